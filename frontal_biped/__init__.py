@@ -1,0 +1,1 @@
+"""Frontal-plane bipedal zero dynamics."""

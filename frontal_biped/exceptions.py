@@ -1,0 +1,45 @@
+"""Everything the package raises on purpose. Messages name the place, the value and the remedy in one line."""
+
+
+class FrontalBipedError(Exception):
+    """Base of all errors raised on purpose by this package."""
+
+
+class RobotError(FrontalBipedError):
+    """A robot description or URDF that cannot be used."""
+
+
+class HypothesisError(RobotError):
+    """The robot breaks one of the robot hypotheses HR1 to HR5 of the paper.
+
+    Attributes:
+        hypothesis: which one, for example ``"HR3"``.
+    """
+
+    def __init__(self, hypothesis: str, message: str) -> None:
+        super().__init__(f"{message} ({hypothesis})")
+        self.hypothesis = hypothesis
+
+
+class SpecificationError(FrontalBipedError):
+    """A gait specification with an unknown key, a wrong type or a value out of range."""
+
+
+class GaitFileError(FrontalBipedError):
+    """A gait file that cannot be read, or is not a gait."""
+
+
+class TrajectoryFileError(FrontalBipedError):
+    """A run file that cannot be read, or is not a recorded run."""
+
+
+class UnreachablePoseError(FrontalBipedError):
+    """No pose puts both feet flat on the ground at the asked distance."""
+
+
+class ReversalError(FrontalBipedError):
+    """The zero dynamics has no reversal point where one is needed."""
+
+
+class MissingExtraError(FrontalBipedError):
+    """An optional dependency is needed; the message names the extra that brings it."""

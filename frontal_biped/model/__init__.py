@@ -1,0 +1,21 @@
+"""The robot: URDF and description in, dynamics in stance coordinates out."""
+
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.catalogue import load_robot, models_dir, robot_names
+from frontal_biped.model.description import RobotDescription, Sole
+from frontal_biped.model.impact import Impact, impact
+from frontal_biped.model.stance_map import Stance, StanceMap, relabel
+
+__all__ = [
+    "FrontalBiped",
+    "Impact",
+    "RobotDescription",
+    "Sole",
+    "Stance",
+    "StanceMap",
+    "impact",
+    "load_robot",
+    "models_dir",
+    "relabel",
+    "robot_names",
+]

@@ -1,0 +1,229 @@
+"""The biped in stance coordinates: dynamics, centre of mass, ground reaction, FRI and soles, all from Pinocchio.
+
+Pinned dynamics, stance foot flat and at rest ([O] eq. pinnedmodel):
+
+    D(q) ddq + C(q, dq) dq + G(q) = u,    u = (u_1, u_b)
+
+The floating model adds the three freedoms of the stance foot. Its inverse dynamics with the foot at rest returns
+in one call the ground reaction (F_h, F_v), its moment N_0 about the ground point below the stance ankle, and u.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.model.description import RobotDescription
+from frontal_biped.model.frontal_chain import GRAVITY, UPRIGHT
+from frontal_biped.model.frontal_reduction import FrontalReduction
+
+BASE = 3  # freedoms of the stance foot in the floating model
+
+
+class FrontalBiped:
+    """A robot restricted to its frontal plane, in stance coordinates q = (stance ankle, stance hip, swing hip, swing ankle).
+
+    All angles in rad, frame (h, v): h horizontal from the stance foot towards the swing foot, v up, origin on the
+    ground below the stance ankle. Instances own Pinocchio work data and are not thread-safe.
+    """
+
+    def __init__(self, description: RobotDescription, fingerprint: str, reduction: FrontalReduction) -> None:
+        self.description = description
+        self.fingerprint = fingerprint
+        self.chain = reduction.chain
+        self.stance_map = reduction.stance_map
+        self.spatial_model = reduction.model
+        self.spatial_reference = reduction.reference
+        self.pinned = self.chain.pinned_model()
+        self.floating = self.chain.floating_model()
+        self._data = self.pinned.createData()
+        self._floating_data = self.floating.createData()
+        self._weightless = self.floating.copy()
+        self._weightless.gravity.linear = np.zeros(3)
+        self._weightless_data = self._weightless.createData()
+        self._sole_frames = [self.pinned.getFrameId(f"swing_sole_{end}") for end in ("inner", "outer")]
+        self._q = np.zeros(BASE + 4)
+        self._dq = np.zeros(BASE + 4)
+        self._ddq = np.zeros(BASE + 4)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle by file: a worker process builds its own Pinocchio data."""
+        from frontal_biped.model.catalogue import load_robot
+
+        return load_robot, (self.description.path,)
+
+    # ------------------------------------------------------------------ parameters
+    @property
+    def name(self) -> str:
+        """What the description calls the robot."""
+        return self.description.name
+
+    @property
+    def path(self) -> Path:
+        """The description file."""
+        return self.description.path
+
+    @property
+    def mass(self) -> float:
+        """Total mass, both feet included [kg]."""
+        return self.chain.mass
+
+    @property
+    def weight(self) -> float:
+        """m g [N]."""
+        return self.mass * GRAVITY
+
+    @property
+    def ankle_height(self) -> float:
+        """Height of the ankles above the soles, h_a [m]."""
+        return self.chain.ankle_height
+
+    @property
+    def sole(self) -> tuple[float, float]:
+        """Ends of the stance sole on the h axis, (outer < 0, inner > 0) [m]."""
+        return -self.chain.sole_outer, self.chain.sole_inner
+
+    @property
+    def max_torque(self) -> FloatArray:
+        """(4,) torque limits [N m]."""
+        return self.chain.max_torque
+
+    @property
+    def leg_length(self) -> float:
+        """Distance from hip to ankle [m]."""
+        return float(np.linalg.norm(self.chain.joints[1] - self.chain.joints[0]))
+
+    @property
+    def hip_width(self) -> float:
+        """Distance between the hips [m]."""
+        return float(np.linalg.norm(self.chain.joints[2] - self.chain.joints[1]))
+
+    # ------------------------------------------------------------------ pinned dynamics
+    def D(self, q: FloatArray) -> FloatArray:
+        """(4, 4) mass matrix [kg m^2]."""
+        D = pin.crba(self.pinned, self._data, q)
+        return np.triu(D) + np.triu(D, 1).T
+
+    def C(self, q: FloatArray, dq: FloatArray) -> FloatArray:
+        """(4, 4) Coriolis matrix with dD/dt - 2 C skew [kg m^2/s]."""
+        return pin.computeCoriolisMatrix(self.pinned, self._data, q, dq).copy()  # type: ignore[no-any-return]
+
+    def G(self, q: FloatArray) -> FloatArray:
+        """(4,) gravity torques [N m]."""
+        return pin.computeGeneralizedGravity(self.pinned, self._data, q).copy()  # type: ignore[no-any-return]
+
+    def bias(self, q: FloatArray, dq: FloatArray) -> FloatArray:
+        """(4,) C(q, dq) dq + G(q) [N m]."""
+        return pin.nonLinearEffects(self.pinned, self._data, q, dq).copy()  # type: ignore[no-any-return]
+
+    def forward_dynamics(self, q: FloatArray, dq: FloatArray, u: FloatArray) -> FloatArray:
+        """(4,) ddq [rad/s^2] under the torques u (4,) [N m], stance foot held."""
+        return pin.aba(self.pinned, self._data, q, dq, u).copy()  # type: ignore[no-any-return]
+
+    def inverse_dynamics(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> FloatArray:
+        """(7,) rows F_h, F_v [N], N_0 [N m], u_1..u_4 [N m] of a motion with the stance foot at rest.
+
+        N_0 is the moment of the ground reaction about the ground point below the stance ankle.
+        """
+        self._q[BASE:], self._dq[BASE:], self._ddq[BASE:] = q, dq, ddq
+        return pin.rnea(self.floating, self._floating_data, self._q, self._dq, self._ddq).copy()  # type: ignore[no-any-return]
+
+    def momentum_map(self, q: FloatArray) -> FloatArray:
+        """(7, 4) matrix taking dq to (m dp_cm_h, m dp_cm_v, sigma_0, joint momenta): columns of the floating mass matrix."""
+        self._q[BASE:] = q
+        M = pin.crba(self.floating, self._floating_data, self._q)
+        return (np.triu(M) + np.triu(M, 1).T)[:, BASE:]
+
+    def floating_mass_matrix(self, q: FloatArray) -> FloatArray:
+        """(7, 7) mass matrix with the stance foot free."""
+        self._q[BASE:] = q
+        M = pin.crba(self.floating, self._floating_data, self._q)
+        return np.triu(M) + np.triu(M, 1).T
+
+    def energy(self, q: FloatArray, dq: FloatArray) -> float:
+        """Kinetic plus potential energy, the stance foot's constant share included [J]."""
+        self._q[BASE:], self._dq[BASE:] = q, dq
+        return float(pin.computeMechanicalEnergy(self.floating, self._floating_data, self._q, self._dq))
+
+    # ------------------------------------------------------------------ centre of mass and momentum
+    def com(self, q: FloatArray) -> FloatArray:
+        """(2,) centre of mass of the whole robot in (h, v) [m]."""
+        self._q[BASE:] = q
+        return pin.centerOfMass(self.floating, self._floating_data, self._q)[:2].copy()  # type: ignore[no-any-return]
+
+    def com_velocity(self, q: FloatArray, dq: FloatArray) -> FloatArray:
+        """(2,) velocity of the centre of mass [m/s]."""
+        return (self.momentum_map(q)[:2] @ dq) / self.mass
+
+    def sigma(self, q: FloatArray, dq: FloatArray, p: float = 0.0) -> float:
+        """Angular momentum about the ground point (p, 0), counter-clockwise positive [kg m^2/s].
+
+        Of the bodies only: reflected rotor inertia does not enter.
+        """
+        momentum = self.momentum_map(q)[:3] @ dq
+        return float(momentum[2] - p * momentum[1])
+
+    # ------------------------------------------------------------------ ground reaction and FRI
+    def ground_reaction(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> FloatArray:
+        """(2,) force of the ground on the stance foot, F = m (a_cm + (0, g)) [N]."""
+        return self.inverse_dynamics(q, dq, ddq)[:2]
+
+    def fri(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> float:
+        """Foot rotation indicator p_FRI of a motion: where the ground reaction acts, from the ankle [m]."""
+        F_h, F_v, N_0 = self.inverse_dynamics(q, dq, ddq)[:3]
+        return float(N_0 / F_v)
+
+    def fri_from_torque(self, u_1: float, force: FloatArray, ddq_1: float = 0.0) -> float:
+        """FRI [m] of an ankle torque u_1 [N m] under a ground reaction (2,) [N].
+
+        Equilibrium of the resting foot about the ankle, h_a above the sole, foot's centre of mass at offset c_f:
+        u_1 - armature ddq_1 = p_FRI F_v + h_a F_h - m_f g c_f.
+
+        Args:
+            u_1: ankle torque.
+            force: ground reaction.
+            ddq_1: stance ankle acceleration [rad/s^2]; matters only with a reflected rotor inertia.
+        """
+        joint_moment = u_1 - self.chain.armature[0] * ddq_1
+        return float((joint_moment - self.ankle_height * force[0] + self._foot_weight_moment) / force[1])
+
+    def torque_from_fri(self, p_fri: float, force: FloatArray, ddq_1: float = 0.0) -> float:
+        """Ankle torque u_1 [N m] that puts the FRI at p_fri [m]; inverse of `fri_from_torque`."""
+        joint_moment = p_fri * force[1] + self.ankle_height * force[0] - self._foot_weight_moment
+        return float(joint_moment + self.chain.armature[0] * ddq_1)
+
+    @property
+    def _foot_weight_moment(self) -> float:
+        foot = self.chain.bodies[0]
+        return foot.mass * GRAVITY * float(foot.com[0])
+
+    # ------------------------------------------------------------------ soles and posture
+    def swing_sole(self, q: FloatArray) -> FloatArray:
+        """(2, 2) inner and outer end of the swing sole in (h, v) [m]."""
+        pin.framesForwardKinematics(self.pinned, self._data, q)
+        return np.array([self._data.oMf[frame].translation[:2] for frame in self._sole_frames])
+
+    def swing_sole_jacobian(self, q: FloatArray) -> FloatArray:
+        """(2, 2, 4) derivative of `swing_sole` with respect to q: [end, (h, v), joint] [m/rad]."""
+        pin.computeJointJacobians(self.pinned, self._data, q)
+        pin.updateFramePlacements(self.pinned, self._data)
+        frames = self._sole_frames
+        return np.array(
+            [pin.getFrameJacobian(self.pinned, self._data, f, pin.LOCAL_WORLD_ALIGNED)[:2] for f in frames]
+        )
+
+    def joint_positions(self, q: FloatArray) -> FloatArray:
+        """(4, 2) stance ankle, stance hip, swing hip, swing ankle in (h, v) [m]."""
+        pin.forwardKinematics(self.pinned, self._data, q)
+        return np.array([self._data.oMi[joint].translation[:2] for joint in range(1, 5)])
+
+    @staticmethod
+    def pelvis_roll(q: FloatArray) -> FloatArray:
+        """Absolute rotation of the pelvis from the reference, counter-clockwise in (h, v) [rad]; q (..., 4)."""
+        return q[..., 0] + q[..., 1] - 2.0 * UPRIGHT
+
+    @staticmethod
+    def swing_foot_rotation(q: FloatArray) -> FloatArray:
+        """Absolute rotation of the swing foot, zero when flat [rad]; q (..., 4)."""
+        return q.sum(axis=-1) - 4.0 * UPRIGHT

@@ -1,0 +1,69 @@
+"""Find and load robots: by the name of a packaged description, or by the path of a description or URDF."""
+
+import difflib
+from importlib.resources import files
+from pathlib import Path
+
+from frontal_biped.exceptions import RobotError
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.description import read_description
+from frontal_biped.model.frontal_reduction import reduce_to_frontal_plane
+from frontal_biped.model.urdf import read_urdf
+
+DEFAULT_ROBOT = "frontal_biped"
+
+
+def models_dir() -> Path:
+    """Folder of the packaged robots: inside the installed wheel, or beside the package in a working copy."""
+    installed = Path(str(files("frontal_biped"))) / "models"
+    working_copy = Path(__file__).resolve().parents[2] / "models"
+    for folder in (installed, working_copy):
+        if folder.is_dir():
+            return folder
+    raise RobotError(f"{installed}: the packaged robots are missing; reinstall frontal-biped")
+
+
+def robot_names() -> list[str]:
+    """Names of the packaged robots."""
+    return sorted(path.stem for path in models_dir().glob("*.toml"))
+
+
+def load_robot(name_or_path: str | Path = DEFAULT_ROBOT) -> FrontalBiped:
+    """Load a robot and check it against HR1 to HR5.
+
+    Args:
+        name_or_path: a name from `robot_names`, a description (``.toml``), or a URDF with a description of the
+            same name beside it.
+
+    Returns:
+        The robot in stance coordinates.
+
+    Raises:
+        RobotError: nothing is found there, or the files cannot be used; `HypothesisError` names the hypothesis.
+    """
+    description = read_description(_description_path(name_or_path))
+    urdf_text = read_urdf(description.urdf)
+    reduction = reduce_to_frontal_plane(description, urdf_text)
+    return FrontalBiped(description, description.fingerprint(urdf_text), reduction)
+
+
+def _description_path(name_or_path: str | Path) -> Path:
+    text = str(name_or_path)
+    packaged = models_dir() / f"{text}.toml"
+    path = Path(text)
+    if path.suffix == ".urdf":
+        beside = path.with_suffix(".toml")
+        if not path.is_file():
+            raise RobotError(f"{path}: no such URDF file; check the path, or see `frontal-biped robots`")
+        if not beside.is_file():
+            raise RobotError(f"{path}: needs a description {beside.name} beside it that names its roll joints and soles")
+        return beside
+    if path.suffix == ".toml":
+        return path
+    if "/" not in text and packaged.is_file():
+        return packaged
+    if path.exists():
+        raise RobotError(f"{path}: neither a description (.toml) nor a URDF (.urdf); name one of these")
+    close = difflib.get_close_matches(text, robot_names(), n=1)
+    remedy = f"did you mean {close[0]!r}?" if close else f"known robots: {', '.join(robot_names())}"
+    raise RobotError(f"no robot {text!r}; {remedy}")

@@ -1,0 +1,146 @@
+"""Robot description: the TOML file beside a URDF that says which joints roll and how wide the soles are."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from frontal_biped.exceptions import RobotError
+from frontal_biped.toml_fields import finite_number, load_toml, reject_unknown_keys
+
+ROLL_JOINTS = ("left_ankle", "left_hip", "right_hip", "right_ankle")
+"""The four roll joints in the order in which the paper's open chain passes them from left to right."""
+
+
+@dataclass(frozen=True)
+class Sole:
+    """Sole of one foot; the other is its mirror image.
+
+    Attributes:
+        inner: extent from the ankle towards the other foot [m].
+        outer: extent from the ankle away from the other foot [m].
+        ankle_height: height of the ankle joint above the sole [m].
+    """
+
+    inner: float
+    outer: float
+    ankle_height: float = 0.0
+
+
+@dataclass(frozen=True)
+class RobotDescription:
+    """What a description file says.
+
+    Attributes:
+        name: what `robots` lists.
+        urdf: the URDF file.
+        joints: URDF joint name of each of the four roll joints, keyed by `ROLL_JOINTS`.
+        posture: angle [rad] of joints that are not zero at the reference posture.
+        sole: sole of one foot.
+        ankle_torque: ankle torque limit [N m]; None: the URDF's effort limit.
+        hip_torque: hip torque limit [N m]; None: the URDF's effort limit.
+        path: where the description was read.
+    """
+
+    name: str
+    urdf: Path
+    joints: Mapping[str, str]
+    posture: Mapping[str, float]
+    sole: Sole
+    ankle_torque: float | None
+    hip_torque: float | None
+    path: Path
+
+    def fingerprint(self, urdf_text: str) -> str:
+        """SHA-256 of the URDF text and of everything in the description that shapes the model."""
+        content = json.dumps(
+            {
+                "joints": dict(self.joints),
+                "posture": dict(self.posture),
+                "sole": asdict(self.sole),
+                "limits": [self.ankle_torque, self.hip_torque],
+            },
+            sort_keys=True,
+        )
+        return hashlib.sha256((content + urdf_text).encode()).hexdigest()
+
+
+def read_description(path: Path) -> RobotDescription:
+    """Read and check a robot description file.
+
+    Args:
+        path: the ``.toml`` file.
+
+    Returns:
+        The description; the URDF path is resolved but not opened.
+
+    Raises:
+        RobotError: the file is missing or malformed, or a key is unknown, absent or of the wrong type.
+    """
+    table = load_toml(path, RobotError)
+    reject_unknown_keys(str(path), table, ("name", "urdf", "joints", "posture", "sole", "limits"), RobotError)
+    joints = _section(path, table, "joints", ROLL_JOINTS)
+    sole = _section(path, table, "sole", ("inner", "outer", "ankle_height"))
+    limits = _section(path, table, "limits", ("ankle_torque", "hip_torque"))
+    posture = _section(path, table, "posture", None)
+    names = {key: _text(path, joints, "joints", key) for key in ROLL_JOINTS}
+    if len(set(names.values())) != len(ROLL_JOINTS):
+        raise RobotError(f"{path}: [joints] names one joint twice; the four roll joints are different joints")
+    urdf = _text(path, table, "", "urdf")
+    if ":" in urdf:
+        scheme = urdf.split(":", 1)[0]
+        raise RobotError(f"{path}: urdf scheme {scheme!r} is not supported; give a path relative to this file")
+    return RobotDescription(
+        name=_text(path, table, "", "name"),
+        urdf=path.parent / urdf,
+        joints=names,
+        posture={key: finite_number(f"{path}: [posture] {key}", value, RobotError) for key, value in posture.items()},
+        sole=Sole(
+            inner=_positive(path, sole, "sole", "inner"),
+            outer=_positive(path, sole, "sole", "outer"),
+            ankle_height=_not_negative(path, sole, "sole", "ankle_height"),
+        ),
+        ankle_torque=_positive(path, limits, "limits", "ankle_torque") if "ankle_torque" in limits else None,
+        hip_torque=_positive(path, limits, "limits", "hip_torque") if "hip_torque" in limits else None,
+        path=path,
+    )
+
+
+def _section(path: Path, table: dict[str, Any], name: str, known: tuple[str, ...] | None) -> dict[str, Any]:
+    section = table.get(name, {})
+    if not isinstance(section, dict):
+        raise RobotError(f"{path}: {name} = {section!r} is not a table; write [{name}] and its keys below it")
+    if known is not None:
+        reject_unknown_keys(f"{path}: [{name}]", section, known, RobotError)
+    return section
+
+
+def _text(path: Path, table: dict[str, Any], section: str, key: str) -> str:
+    where = f"{path}: [{section}] {key}" if section else f"{path}: {key}"
+    if key not in table:
+        raise RobotError(f'{where} is missing; add {key} = "..."')
+    value = table[key]
+    if not isinstance(value, str) or not value:
+        raise RobotError(f'{where} = {value!r} is not text; write {key} = "..."')
+    return value
+
+
+def _positive(path: Path, table: dict[str, Any], section: str, key: str) -> float:
+    where = f"{path}: [{section}] {key}"
+    if key not in table:
+        # HR5: a foot of nonzero length is part of the robot, so there is no default
+        raise RobotError(f"{where} is missing; give the extent of the sole in metres (HR5)")
+    value = finite_number(where, table[key], RobotError)
+    if value <= 0.0:
+        raise RobotError(f"{where} = {value:g} must be positive{' (HR5)' if section == 'sole' else ''}")
+    return value
+
+
+def _not_negative(path: Path, table: dict[str, Any], section: str, key: str) -> float:
+    where = f"{path}: [{section}] {key}"
+    value = finite_number(where, table.get(key, 0.0), RobotError)
+    if value < 0.0:
+        raise RobotError(f"{where} = {value:g} must not be negative (HR5)")
+    return value

@@ -1,0 +1,78 @@
+"""Rigid impact of the swing foot: [O] eq. impactModel, from Pinocchio's contact dynamics on the floating model.
+
+    [ M  -J' ] [ v+ ]   [ M v- ]
+    [ J   0  ] [ L  ] = [  0   ]
+
+v- holds the stance foot at rest; the landing foot sticks (two translations and the rotation); the old stance foot
+is free to leave. The roles of the legs are then exchanged.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.model.biped import BASE, FrontalBiped
+from frontal_biped.model.stance_map import relabel
+
+_PLANAR_ROWS = [0, 1, 5]  # h, v and the rotation out of the plane
+
+
+@dataclass(frozen=True)
+class Impact:
+    """What an impact does.
+
+    Attributes:
+        q_plus: (4,) configuration after relabelling [rad].
+        dq_plus: (4,) velocities after the impact, relabelled [rad/s].
+        impulse: (3,) L_h, L_v [N s] on the landing foot and its moment about the sole point below the ankle
+            [N m s], in the (h, v) frame of the *old* stance foot.
+        lift_off: (2,) vertical velocity of the old stance sole's inner and outer end after the impact [m/s].
+    """
+
+    q_plus: FloatArray
+    dq_plus: FloatArray
+    impulse: FloatArray
+    lift_off: FloatArray
+
+    @property
+    def center_of_pressure(self) -> float:
+        """Where the impulse acts on the landing sole, from its ankle, positive in the old h direction [m]."""
+        return float(self.impulse[2] / self.impulse[1])
+
+
+def impact(biped: FrontalBiped, q_minus: FloatArray, dq_minus: FloatArray) -> Impact:
+    """Land the swing foot.
+
+    Args:
+        biped: the robot.
+        q_minus: (4,) configuration at impact, swing foot on the ground [rad].
+        dq_minus: (4,) velocities just before [rad/s].
+
+    Returns:
+        The relabelled state, the impulse and the lift-off velocities.
+    """
+    model, data = biped.floating, biped._floating_data
+    q, v_minus = np.zeros(BASE + 4), np.zeros(BASE + 4)
+    q[BASE:], v_minus[BASE:] = q_minus, dq_minus
+    J = landing_jacobian(biped, q)
+    v_plus = np.array(pin.impulseDynamics(model, data, q, v_minus, J, 0.0, 0.0))
+    impulse = np.array(data.impulse_c)
+    # moment about the ankle -> about the sole point h_a below it
+    impulse[2] += biped.ankle_height * impulse[0]
+    outer, inner = biped.sole
+    return Impact(
+        q_plus=relabel(q_minus),
+        dq_plus=relabel(v_plus[BASE:]),
+        impulse=impulse,
+        lift_off=np.array([v_plus[1] + v_plus[2] * inner, v_plus[1] + v_plus[2] * outer]),
+    )
+
+
+def landing_jacobian(biped: FrontalBiped, q_floating: FloatArray) -> FloatArray:
+    """(3, 7) Jacobian of the swing ankle: h, v, rotation, for the floating configuration (7,)."""
+    model, data = biped.floating, biped._floating_data
+    pin.computeJointJacobians(model, data, q_floating)
+    jacobian = pin.getJointJacobian(model, data, model.njoints - 1, pin.LOCAL_WORLD_ALIGNED)
+    return np.ascontiguousarray(jacobian[_PLANAR_ROWS])

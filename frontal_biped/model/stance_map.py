@@ -1,0 +1,90 @@
+"""Between URDF joint coordinates and the stance coordinates of the paper, for either stance foot.
+
+The URDF turns a child link against its parent about +X from pelvis to foot; the paper's chain runs from the
+stance foot to the swing foot and counts counter-clockwise in (h, v). Let phi = sign * (q_urdf - reference) be the
+URDF angles about +X in the order left ankle, left hip, right hip, right ankle, and S = diag(1, 1, -1, -1). Then
+
+    left stance:   q = -pi/2 + S phi                 right stance:   q = -pi/2 + reverse(S phi)
+
+since mirroring the robot changes the sign of every roll angle. Velocities follow by differentiation and, power
+being the same in both coordinates, torques transform like velocities: u = S sign tau, reversed in right stance.
+Relabelling at impact is therefore a plain reversal of q, dq and u alike.
+"""
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.model.frontal_chain import UPRIGHT
+
+_CHAIN_SIGN = np.array([1.0, 1.0, -1.0, -1.0])
+
+
+class Stance(Enum):
+    """Which foot stands."""
+
+    LEFT = "left"
+    RIGHT = "right"
+
+    @property
+    def other(self) -> "Stance":
+        """The other foot."""
+        return Stance.RIGHT if self is Stance.LEFT else Stance.LEFT
+
+
+def relabel(chain_vector: FloatArray) -> FloatArray:
+    """Exchange the roles of stance and swing leg: (4,) q, dq or u, reversed ([O], symmetry of Sec. II-B)."""
+    return chain_vector[..., ::-1]
+
+
+@dataclass(frozen=True)
+class StanceMap:
+    """Coordinates of one robot.
+
+    Attributes:
+        axis_sign: (4,) +1 where a URDF axis points along +X, -1 where it points along -X.
+        reference: (4,) URDF angles of the roll joints at the upright reference [rad].
+        joint_names: URDF joint names, left ankle, left hip, right hip, right ankle.
+        middle_y: y of the robot's mirror plane at the reference [m].
+        ground_z: z of the sole at the reference [m].
+    """
+
+    axis_sign: FloatArray
+    reference: FloatArray
+    joint_names: tuple[str, ...]
+    middle_y: float
+    ground_z: float
+
+    def positions_to_stance(self, q_urdf: FloatArray, stance: Stance) -> FloatArray:
+        """Stance coordinates q (..., 4) [rad] of URDF joint angles (..., 4), in the order of `joint_names`."""
+        return UPRIGHT + self._to_chain(q_urdf - self.reference, stance)
+
+    def positions_to_urdf(self, q: FloatArray, stance: Stance) -> FloatArray:
+        """URDF joint angles (..., 4) [rad] of stance coordinates q (..., 4)."""
+        return self._to_urdf(q - UPRIGHT, stance) + self.reference
+
+    def velocities_to_stance(self, dq_urdf: FloatArray, stance: Stance) -> FloatArray:
+        """Stance velocities dq (..., 4) [rad/s] of URDF joint velocities (..., 4)."""
+        return self._to_chain(dq_urdf, stance)
+
+    def velocities_to_urdf(self, dq: FloatArray, stance: Stance) -> FloatArray:
+        """URDF joint velocities (..., 4) [rad/s] of stance velocities dq (..., 4)."""
+        return self._to_urdf(dq, stance)
+
+    def torques_to_stance(self, tau_urdf: FloatArray, stance: Stance) -> FloatArray:
+        """Stance torques u (..., 4) [N m] of URDF joint torques (..., 4)."""
+        return self._to_chain(tau_urdf, stance)
+
+    def torques_to_urdf(self, u: FloatArray, stance: Stance) -> FloatArray:
+        """URDF joint torques (..., 4) [N m] of stance torques u (..., 4)."""
+        return self._to_urdf(u, stance)
+
+    def _to_chain(self, urdf_vector: FloatArray, stance: Stance) -> FloatArray:
+        chain = _CHAIN_SIGN * self.axis_sign * urdf_vector
+        return chain if stance is Stance.LEFT else relabel(chain)
+
+    def _to_urdf(self, chain_vector: FloatArray, stance: Stance) -> FloatArray:
+        left = chain_vector if stance is Stance.LEFT else relabel(chain_vector)
+        return _CHAIN_SIGN * self.axis_sign * left

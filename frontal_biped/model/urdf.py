@@ -1,0 +1,130 @@
+"""Read a URDF file with care: everything that can be told from its text is checked before Pinocchio sees it.
+
+Pinocchio reports a missing file and broken XML with the same words and writes the true reason to the C-level
+standard error, so both are found here.
+"""
+
+import math
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+from frontal_biped.exceptions import RobotError
+
+MAX_URDF_BYTES = 20_000_000  # the largest humanoid URDF seen is 0.3 MB
+JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+
+
+def read_urdf(path: Path) -> str:
+    """Text of a URDF file whose XML, numbers and link tree are sound.
+
+    Args:
+        path: the URDF file.
+
+    Returns:
+        The text, ready for Pinocchio.
+
+    Raises:
+        RobotError: the file is missing, too large, not XML, declares XML entities, or its links, joints,
+            masses or numbers are inconsistent.
+    """
+    if not path.is_file():
+        raise RobotError(f"{path}: no such URDF file; check the path, or see `frontal-biped robots`")
+    if path.stat().st_size > MAX_URDF_BYTES:
+        raise RobotError(f"{path}: larger than {MAX_URDF_BYTES} bytes; a URDF keeps its meshes in other files")
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise RobotError(f"{path}: not UTF-8 text at byte {error.start}; save the URDF as UTF-8") from None
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise RobotError(f"{path}: declares an XML DOCTYPE or entity; remove it, a URDF needs none")
+    try:
+        root = ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        raise RobotError(f"{path}: not well-formed XML, {error}; mend the file there") from None
+    if root.tag != "robot":
+        raise RobotError(f"{path}: the root element is <{root.tag}>, not <robot>; is this a URDF file?")
+    _check_links(path, root)
+    _check_joints(path, root)
+    return text
+
+
+def _check_links(path: Path, root: ElementTree.Element) -> None:
+    names = [link.get("name", "") for link in root.findall("link")]
+    duplicates = sorted({name for name in names if names.count(name) > 1})
+    if not names or "" in names or duplicates:
+        what = f"link {duplicates[0]!r} is defined twice" if duplicates else "a link without a name, or no link"
+        raise RobotError(f"{path}: {what}; give every link a name of its own")
+    for link in root.findall("link"):
+        where = f"{path}: link {link.get('name')!r}"
+        inertial = link.find("inertial")
+        if inertial is None:
+            continue
+        _numbers(where, inertial.find("origin"), "xyz", 3)
+        _numbers(where, inertial.find("origin"), "rpy", 3)
+        mass = _numbers(where, inertial.find("mass"), "value", 1)
+        if mass and mass[0] < 0.0:
+            raise RobotError(f"{where}: mass {mass[0]:g} kg is negative; give a positive mass")
+        inertia = inertial.find("inertia")
+        for key in ("ixx", "iyy", "izz"):
+            moment = _numbers(where, inertia, key, 1)
+            if moment and moment[0] < 0.0:
+                raise RobotError(f"{where}: {key} = {moment[0]:g} kg m^2 is negative; give a positive inertia")
+        for key in ("ixy", "ixz", "iyz"):
+            _numbers(where, inertia, key, 1)
+
+
+def _check_joints(path: Path, root: ElementTree.Element) -> None:
+    links = {link.get("name", "") for link in root.findall("link")}
+    parent_of: dict[str, str] = {}
+    names: set[str] = set()
+    for joint in root.findall("joint"):
+        name = joint.get("name", "")
+        where = f"{path}: joint {name!r}"
+        if not name or name in names:
+            raise RobotError(f"{where}: empty or used twice; give every joint a name of its own")
+        names.add(name)
+        if joint.get("type") not in JOINT_TYPES:
+            known = ", ".join(JOINT_TYPES)
+            raise RobotError(f"{where}: unknown type {joint.get('type')!r}; use one of {known}")
+        ends: list[str] = []
+        for end in ("parent", "child"):
+            element = joint.find(end)
+            link = "" if element is None else element.get("link", "")
+            if link not in links:
+                raise RobotError(f"{where}: its {end} link {link!r} is not defined; add the link or mend the name")
+            ends.append(link)
+        if ends[1] in parent_of:
+            raise RobotError(f"{where}: link {ends[1]!r} already has a parent; a URDF is a tree, remove one joint")
+        parent_of[ends[1]] = ends[0]
+        _numbers(where, joint.find("origin"), "xyz", 3)
+        _numbers(where, joint.find("origin"), "rpy", 3)
+        axis = _numbers(where, joint.find("axis"), "xyz", 3)
+        if axis and math.hypot(*axis) == 0.0:
+            raise RobotError(f"{where}: its axis is zero; give a direction, for a roll joint '1 0 0'")
+        for key in ("lower", "upper", "effort", "velocity"):
+            _numbers(where, joint.find("limit"), key, 1)
+    for link in parent_of:
+        seen, at = {link}, parent_of.get(link)
+        while at is not None:
+            if at in seen:
+                raise RobotError(f"{path}: link {link!r} is its own ancestor; break the loop of joints")
+            seen.add(at)
+            at = parent_of.get(at)
+    roots = sorted(links - set(parent_of))
+    if len(roots) != 1:
+        raise RobotError(f"{path}: {len(roots)} links have no parent ({', '.join(roots)}); join them into one tree")
+
+
+def _numbers(where: str, element: ElementTree.Element | None, key: str, count: int) -> list[float]:
+    """Finite numbers of an attribute, [] where it is absent."""
+    text = None if element is None else element.get(key)
+    if text is None:
+        return []
+    try:
+        values = [float(word) for word in text.split()]
+    except ValueError:
+        values = []
+    if len(values) != count or not all(math.isfinite(value) for value in values):
+        wanted = "a finite number" if count == 1 else f"{count} finite numbers"
+        raise RobotError(f"{where}: {key}={text!r} is not {wanted}")
+    return values

@@ -1,0 +1,42 @@
+"""Read tables of a TOML file strictly: unknown keys and wrong types are errors that say what would be right."""
+
+import difflib
+import math
+import tomllib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from frontal_biped.exceptions import FrontalBipedError
+
+
+def load_toml(path: Path, error: type[FrontalBipedError]) -> dict[str, Any]:
+    """The tables of a TOML file; raises ``error`` in one line when it is missing or malformed."""
+    try:
+        with path.open("rb") as stream:
+            return tomllib.load(stream)
+    except FileNotFoundError:
+        raise error(f"{path}: no such file; check the path") from None
+    except IsADirectoryError:
+        raise error(f"{path}: a directory; name a .toml file in it") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as cause:
+        raise error(f"{path}: not valid TOML, {cause}; mend the file there") from None
+
+
+def reject_unknown_keys(
+    where: str, table: Mapping[str, Any], known: Iterable[str], error: type[FrontalBipedError]
+) -> None:
+    """Raise ``error`` for the first key that is not known, with the closest known one as the remedy."""
+    names = list(known)
+    for key in table:
+        if key not in names:
+            close = difflib.get_close_matches(key, names, n=1)
+            remedy = f"did you mean {close[0]!r}?" if close else f"known keys: {', '.join(names)}"
+            raise error(f"{where}: unknown key {key!r}; {remedy}")
+
+
+def finite_number(where: str, value: object, error: type[FrontalBipedError]) -> float:
+    """A finite float; booleans and strings are refused."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise error(f"{where}: {value!r} is not a finite number; write for example 0.05")
+    return float(value)

@@ -1,0 +1,36 @@
+"""Bezier polynomials in Bernstein form: values and derivatives as matrices acting on the coefficients."""
+
+from functools import lru_cache
+from math import comb
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+
+
+@lru_cache(maxsize=64)
+def _binomials(degree: int) -> tuple[FloatArray, FloatArray]:
+    exponents = np.arange(degree + 1)
+    return np.array([comb(degree, k) for k in exponents], dtype=float), exponents
+
+
+def bernstein(degree: int, s: FloatArray | float) -> FloatArray:
+    """(..., degree + 1) Bernstein polynomials at s (...).
+
+    They are polynomials in s: outside [0, 1] the same polynomial goes on, without a break.
+    """
+    binomials, k = _binomials(degree)
+    s = np.asarray(s, dtype=float)[..., None]
+    return binomials * s**k * (1.0 - s) ** (degree - k)
+
+
+def bernstein_derivative(degree: int, s: FloatArray | float, order: int) -> FloatArray:
+    """(..., degree + 1) derivative of the given order of the Bernstein polynomials with respect to s."""
+    if order > degree:
+        return np.zeros((*np.shape(s), degree + 1))
+    differences = np.eye(degree + 1)
+    factor = 1.0
+    for step in range(order):
+        factor *= degree - step
+        differences = np.diff(differences, axis=0)
+    return factor * bernstein(degree - order, s) @ differences

@@ -1,0 +1,140 @@
+"""One phase of a step, rising or falling: joints and FRI target as Bezier functions of beta."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.virtual_constraints.bezier import bernstein, bernstein_derivative
+
+
+class ConstrainedMotion(NamedTuple):
+    """The robot on the virtual constraints at the points beta (n,): q = (beta, h_d(beta)).
+
+    Attributes:
+        q: (n, 4) [rad].
+        dq: (n, 4) dq/dbeta [-].
+        ddq: (n, 4) d2q/dbeta2 [1/rad].
+        p_fri: (n,) FRI target h_d^FRI [m].
+        dp_fri: (n,) its derivative with respect to beta [m/rad].
+    """
+
+    q: FloatArray
+    dq: FloatArray
+    ddq: FloatArray
+    p_fri: FloatArray
+    dp_fri: FloatArray
+
+
+class PhaseBasis(NamedTuple):
+    """Bernstein matrices at fixed phase values s (n,): joints value, first and second derivative; FRI value, first.
+
+    They depend on s alone, so a quadrature with fixed nodes computes them once.
+    """
+
+    joints: tuple[FloatArray, FloatArray, FloatArray]
+    fri: tuple[FloatArray, FloatArray]
+
+
+def phase_basis(degree: int, fri_degree: int, s: FloatArray) -> PhaseBasis:
+    """Bernstein matrices of the given degrees at s (n,)."""
+    return PhaseBasis(
+        (bernstein(degree, s), bernstein_derivative(degree, s, 1), bernstein_derivative(degree, s, 2)),
+        (bernstein(fri_degree, s), bernstein_derivative(fri_degree, s, 1)),
+    )
+
+
+@dataclass(frozen=True)
+class Phase:
+    """Virtual constraints of one phase.
+
+    s = (beta - beta_start) / (beta_end - beta_start) grows with time in both phases. Past s = 1 (a reversal later
+    than planned) and before s = 0 the polynomials simply go on.
+
+    Attributes:
+        beta_start: beta at the start of the phase [rad].
+        beta_end: beta at its end [rad]; larger than the start when rising, smaller when falling.
+        joint_bezier: (3, M + 1) coefficients of stance hip, swing hip, swing ankle [rad].
+        fri_bezier: (M_FRI + 1,) coefficients of the FRI target [m].
+    """
+
+    beta_start: float
+    beta_end: float
+    joint_bezier: FloatArray
+    fri_bezier: FloatArray
+
+    @property
+    def degree(self) -> int:
+        """Degree M of the joint polynomials."""
+        return self.joint_bezier.shape[1] - 1
+
+    @property
+    def fri_degree(self) -> int:
+        """Degree of the FRI polynomial."""
+        return self.fri_bezier.shape[0] - 1
+
+    @property
+    def range(self) -> float:
+        """beta_end - beta_start [rad], negative when falling."""
+        return self.beta_end - self.beta_start
+
+    def s(self, beta: FloatArray | float) -> FloatArray:
+        """Phase value of beta."""
+        return np.asarray((beta - self.beta_start) / self.range)
+
+    def motion(self, beta: FloatArray) -> ConstrainedMotion:
+        """The robot on the virtual constraints at beta (n,) [rad]."""
+        beta = np.atleast_1d(np.asarray(beta, dtype=float))
+        return constrained_motion(
+            phase_basis(self.degree, self.fri_degree, self.s(beta)), beta, self.range, self.joint_bezier, self.fri_bezier
+        )
+
+    def desired(self, beta: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+        """h_d (3,), dh_d/dbeta (3,), d2h_d/dbeta2 (3,) and the FRI target at one beta: what a control tick needs."""
+        s = (beta - self.beta_start) / self.range
+        M = self.degree
+        slopes = self._slopes
+        return (
+            self.joint_bezier @ bernstein(M, s),
+            slopes[0] @ bernstein(M - 1, s),
+            slopes[1] @ bernstein(M - 2, s),
+            float(self.fri_bezier @ bernstein(self.fri_degree, s)),
+        )
+
+    @property
+    def _slopes(self) -> tuple[FloatArray, FloatArray]:
+        cached: tuple[FloatArray, FloatArray] | None = self.__dict__.get("_slopes_cache")
+        if cached is None:
+            M = self.degree
+            first = M * np.diff(self.joint_bezier, axis=1) / self.range
+            second = (M - 1) * np.diff(first, axis=1) / self.range
+            cached = (first, second)
+            object.__setattr__(self, "_slopes_cache", cached)
+        return cached
+
+
+def constrained_motion(
+    basis: PhaseBasis, beta: FloatArray, beta_range: FloatArray | float, joint_bezier: FloatArray, fri_bezier: FloatArray
+) -> ConstrainedMotion:
+    """Evaluate the virtual constraints at beta (n,), the basis taken at the matching s.
+
+    Args:
+        basis: Bernstein matrices.
+        beta: (n,) [rad].
+        beta_range: beta_end - beta_start [rad].
+        joint_bezier: (3, M + 1) [rad].
+        fri_bezier: (M_FRI + 1,) [m].
+
+    Returns:
+        Configuration and its derivatives with respect to beta.
+    """
+    value, first, second = basis.joints
+    one, zero = np.ones_like(beta)[:, None], np.zeros_like(beta)[:, None]
+    return ConstrainedMotion(
+        q=np.concatenate([beta[:, None], value @ joint_bezier.T], axis=1),
+        dq=np.concatenate([one, first @ joint_bezier.T / beta_range], axis=1),
+        ddq=np.concatenate([zero, second @ joint_bezier.T / beta_range**2], axis=1),
+        p_fri=basis.fri[0] @ fri_bezier,
+        dp_fri=basis.fri[1] @ fri_bezier / beta_range,
+    )
