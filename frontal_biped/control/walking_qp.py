@@ -1,0 +1,148 @@
+"""The controller's quadratic program: input-output linearisation under torque, contact and foot limits.
+
+Decision variables x = (ddq (4), u (4), F_h, F_v).
+
+    minimise    1/2 |ddy - v|^2 + 1/2 w_FRI (N_0 - p_FRI^d F_v)^2
+    subject to  D ddq + C dq + G = u                       dynamics of the pinned robot
+                F = m (a_cm + (0, g))                      ground reaction
+                |u| <= u_max                               torque limits
+                F_v >= F_min                               unilateral contact
+                |F_h| <= mu F_v                            friction cone
+                outer F_v <= N_0 <= inner F_v              FRI inside the sole
+
+ddy = ddq_b - h_d' ddbeta - h_d'' dbeta^2 is the acceleration of the output y = q_b - h_d(beta), v the one asked for,
+and N_0 = u_1 - armature ddq_1 - h_a F_h + m_f g c_f the moment of the ground reaction about the ground below the
+ankle. Four targets meet four freedoms: while no limit is active both costs vanish, the solution is the input-output
+linearising torque with the FRI on its target, and the weight w_FRI does not matter.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.model.biped import BASE, FrontalBiped
+from frontal_biped.model.frontal_chain import GRAVITY
+from frontal_biped.quadratic_program import UNBOUNDED, QuadraticProgram
+
+VARIABLES = 10
+DDQ, U, FORCE = slice(0, 4), slice(4, 8), slice(8, 10)
+
+
+class ContactLimits(NamedTuple):
+    """Limits the controller keeps.
+
+    Attributes:
+        friction: coefficient of friction [-].
+        min_normal_force: smallest normal force [N].
+        fri_outer: outermost FRI [m], negative.
+        fri_inner: innermost FRI [m].
+        max_torque: (4,) [N m].
+    """
+
+    friction: float
+    min_normal_force: float
+    fri_outer: float
+    fri_inner: float
+    max_torque: FloatArray
+
+
+class Targets(NamedTuple):
+    """What the controller asks of one instant.
+
+    Attributes:
+        h_d1: (3,) dh_d/dbeta [-].
+        h_d2_dbeta2: (3,) h_d'' dbeta^2 [rad/s^2].
+        ddy: (3,) wanted output acceleration v [rad/s^2].
+        p_fri: wanted FRI [m].
+    """
+
+    h_d1: FloatArray
+    h_d2_dbeta2: FloatArray
+    ddy: FloatArray
+    p_fri: float
+
+
+class WalkingQp:
+    """Builds the program at a state; matrices are allocated once and overwritten at every call.
+
+    Args:
+        biped: the robot.
+        limits: to keep.
+        fri_weight: w_FRI [1/(kg^2 m^4)].
+    """
+
+    def __init__(self, biped: FrontalBiped, limits: ContactLimits, fri_weight: float = 1e-2) -> None:
+        self.biped = biped
+        self.limits = limits
+        self.fri_weight = fri_weight
+        self._model = biped.floating
+        self._data = biped.floating.createData()
+        self._q, self._dq = np.zeros(BASE + 4), np.zeros(BASE + 4)
+        foot = biped.chain.bodies[0]
+        # N_0 = moment_row . x + moment_constant
+        self._moment_row = np.zeros(VARIABLES)
+        self._moment_row[0] = -biped.chain.armature[0]
+        self._moment_row[4] = 1.0
+        self._moment_row[8] = -biped.ankle_height
+        self._moment_constant = foot.mass * GRAVITY * float(foot.com[0])
+        self._task = np.zeros((4, VARIABLES))  # outputs and FRI: residual = task x - goal
+        self._task[:3, 1:4] = np.eye(3)
+        self._goal = np.zeros(4)
+        self._weights = np.array([1.0, 1.0, 1.0, fri_weight])
+        self._A = np.zeros((6, VARIABLES))
+        self._A[:4, U] = np.eye(4)
+        self._A[4:, FORCE] = np.eye(2)
+        self._b = np.zeros(6)
+        C = np.zeros((9, VARIABLES))
+        C[0, 8:], C[1, 8:] = (1.0, limits.friction), (-1.0, limits.friction)
+        C[2], C[3] = self._moment_row, -self._moment_row
+        C[2, 9] -= limits.fri_outer
+        C[3, 9] += limits.fri_inner
+        C[4, 9] = 1.0
+        C[5:, U] = np.eye(4)
+        moment = self._moment_constant
+        l = np.concatenate([[0.0, 0.0, -moment, moment, limits.min_normal_force], -limits.max_torque])
+        u = np.concatenate([np.full(5, UNBOUNDED), limits.max_torque])
+        H, g = np.zeros((VARIABLES, VARIABLES)), np.zeros(VARIABLES)
+        self.program = QuadraticProgram(H, g, self._A, self._b, C, l, u)
+
+    def build(self, q: FloatArray, dq: FloatArray, targets: Targets) -> QuadraticProgram:
+        """The program at the state q (4,) [rad], dq (4,) [rad/s]; its arrays are reused by the next call."""
+        self._q[BASE:], self._dq[BASE:] = q, dq
+        M = pin.crba(self._model, self._data, self._q)
+        bias = pin.nonLinearEffects(self._model, self._data, self._q, self._dq)
+        upper = M[:, BASE:]
+        D = np.triu(upper[BASE:])
+        D += np.triu(D, 1).T
+        self._A[:4, DDQ] = -D
+        self._A[4:, DDQ] = -upper[:2]
+        self._b[:4], self._b[4:] = bias[BASE:], bias[:2]
+
+        task, goal = self._task, self._goal
+        task[:3, 0] = -targets.h_d1
+        goal[:3] = targets.ddy + targets.h_d2_dbeta2
+        task[3] = self._moment_row
+        task[3, 9] -= targets.p_fri
+        goal[3] = -self._moment_constant
+        weighted = task * self._weights[:, None]
+        np.matmul(task.T, weighted, out=self.program.H)
+        np.matmul(goal, -weighted, out=self.program.g)
+        return self.program
+
+    def unconstrained(self) -> FloatArray:
+        """(10,) x of the program just built without its inequalities: the closed-form linearising torque.
+
+        Eliminating u and F leaves four equations for ddq, singular exactly where I_P = 0 (C03).
+        """
+        # x = T ddq + t solves the equalities
+        T = np.concatenate([np.eye(4), -self._A[:, DDQ]])
+        t = np.concatenate([np.zeros(4), self._b])
+        ddq = np.linalg.solve(self._task @ T, self._goal - self._task @ t)
+        return np.asarray(T @ ddq + t)
+
+    def satisfies_limits(self, x: FloatArray) -> bool:
+        """Does x (10,) keep every inequality?"""
+        value = self.program.C @ x
+        return bool(np.all(value >= self.program.l) and np.all(value <= self.program.u))

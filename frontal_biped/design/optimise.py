@@ -1,0 +1,193 @@
+"""Design a gait: optimise, check on a dense grid, tighten where the grid disagrees, polish, certify."""
+
+import platform
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.design.constraints import Constraint
+from frontal_biped.design.problem import DesignProblem
+from frontal_biped.design.report import ConstraintReport, check_constraints, dense_constraints
+from frontal_biped.design.specification import GaitSpecification
+from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, minimise
+from frontal_biped.gait import Gait, RobotReference, converged_nodes, orbit_numbers
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.poincare import step_orbit
+from frontal_biped.version import __version__
+from frontal_biped.virtual_constraints.invariance import complete
+
+OPTIMISER_NODES = 16
+"""Quadrature nodes a phase in the optimiser: about 1e-7 in J; the result is integrated again until 1e-11."""
+
+TIGHTENING_ROUNDS = 4
+SAFETY = 1e-7  # every scaled constraint keeps this distance in the optimiser, against its own tolerance
+RESIDUAL_TOLERANCE = 1e-9
+
+Progress = Callable[[int, float, float], None]
+
+
+@dataclass(frozen=True)
+class DesignResult:
+    """Outcome of a design.
+
+    Attributes:
+        gait: the gait, or None when the specification could not be met.
+        report: C01 to C09 on the dense grid at the point where the optimiser stopped; None where no step exists.
+        success: gait found, every constraint satisfied on the grid, every residual below 1e-9.
+        message: one line: what was reached, or which constraints are in the way and what to relax.
+        iterations: of the optimiser, all rounds.
+        evaluations: of objective and constraints, all rounds.
+        seconds: wall time.
+    """
+
+    gait: Gait | None
+    report: ConstraintReport | None
+    success: bool
+    message: str
+    iterations: int
+    evaluations: int
+    seconds: float
+
+
+def design_gait(
+    biped: FrontalBiped,
+    specification: GaitSpecification | None = None,
+    *,
+    start: FloatArray | None = None,
+    on_progress: Progress | None = None,
+) -> DesignResult:
+    """Minimise J under C01 to C09.
+
+    Args:
+        biped: the robot.
+        specification: the bounds; default: all defaults.
+        start: (P,) variables of `DesignProblem` to start from; default: its own start.
+        on_progress: called with iteration, J [N^2 m s] and largest scaled violation.
+
+    Returns:
+        The gait and its report, or why there is none.
+
+    Raises:
+        UnreachablePoseError: no double support pose exists at the start.
+    """
+    spec = GaitSpecification() if specification is None else specification
+    began = time.perf_counter()
+    problem = DesignProblem(biped, spec, OPTIMISER_NODES)
+    low, high = problem.bounds()
+    x = problem.start() if start is None else np.asarray(start, dtype=float)
+    problem.tighten_by = SAFETY
+    iterations = evaluations = 0
+    for _ in range(TIGHTENING_ROUNDS):
+        done = iterations
+
+        def report_progress(count: int, cost: float, violation: float, done: int = done) -> None:
+            if on_progress is not None:
+                on_progress(done + count, cost, violation)
+
+        result = minimise(problem.evaluate, x, low, high, problem.scale(), SqpSettings(), report_progress)
+        iterations, evaluations = iterations + result.iterations, evaluations + result.evaluations
+        x = result.x
+        if not result.feasible:
+            break
+        x = _close_orbit(problem, x)
+        shortfall = _dense_shortfall(biped, spec, problem, x)
+        if not shortfall:
+            break
+        problem.tighten(shortfall)
+    return _conclude(biped, spec, problem, x, result, iterations, evaluations, time.perf_counter() - began)
+
+
+def _close_orbit(problem: DesignProblem, x: FloatArray) -> FloatArray:
+    """Newton steps of least length on the periodicity equation, on nodes enough for full accuracy."""
+    rising, falling = complete(problem.biped, problem.unpack(x))
+    nodes = converged_nodes(problem.biped, rising, falling, float(x[2]))
+    fine = DesignProblem(problem.biped, problem.specification, nodes)
+    scale = problem.scale()
+    for _ in range(4):
+        point = fine.evaluate(x)
+        row = point.equality_jacobian[0] * scale
+        x = x - scale * row * (point.equality[0] / (row @ row))
+        if abs(point.equality[0]) < 1e-14:
+            break
+    return np.clip(x, *problem.bounds())
+
+
+def _dense_shortfall(
+    biped: FrontalBiped, spec: GaitSpecification, problem: DesignProblem, x: FloatArray
+) -> dict[tuple[str, str], float]:
+    """Scaled violations on the dense grid, by code and name."""
+    rising, falling = complete(biped, problem.unpack(x))
+    nodes = converged_nodes(biped, rising, falling, float(x[2]))
+    step = step_orbit(biped, rising, falling, float(x[2]), nodes)
+    shortfall = {}
+    for constraint in dense_constraints(biped, spec, rising, falling, step):
+        worst = _least_margin(constraint)
+        if worst < 0.0:
+            shortfall[constraint.code, constraint.name] = -worst
+    return shortfall
+
+
+def _least_margin(constraint: Constraint) -> float:
+    return float(min(np.min(part) for part in constraint.margins()))
+
+
+def _conclude(
+    biped: FrontalBiped,
+    spec: GaitSpecification,
+    problem: DesignProblem,
+    x: FloatArray,
+    result: SqpResult,
+    iterations: int,
+    evaluations: int,
+    seconds: float,
+) -> DesignResult:
+    rising, falling = complete(biped, problem.unpack(x))
+    width = float(x[2])
+    step = step_orbit(biped, rising, falling, width, converged_nodes(biped, rising, falling, width))
+    report = check_constraints(biped, spec, rising, falling, step)
+    if not result.feasible or not report.satisfied:
+        return DesignResult(None, report, False, _explain(report, result), iterations, evaluations, seconds)
+    reference = RobotReference(biped.name, biped.path.name, biped.fingerprint)
+    gait = Gait(reference, rising, falling, width, orbit_numbers(biped, step), spec.as_dict())
+    residuals = gait.residuals(biped)
+    provenance: dict[str, Any] = {
+        "versions": software_versions(),
+        "seed": spec.seed,
+        "solver": {"status": result.message, "iterations": iterations, "evaluations": evaluations},
+        "residuals": residuals,
+    }
+    gait = Gait(reference, rising, falling, width, gait.orbit, spec.as_dict(), provenance)
+    worst = max(residuals.values())
+    if worst > RESIDUAL_TOLERANCE:
+        name = max(residuals, key=lambda key: residuals[key])
+        message = f"the gait's residual {name} is {worst:.2g}, above {RESIDUAL_TOLERANCE:g}; try another degree"
+        return DesignResult(None, report, False, message, iterations, evaluations, seconds)
+    message = f"J = {gait.orbit.cost:.4f} N^2 m s, multiplier {gait.orbit.multiplier:.4f}, all constraints satisfied"
+    return DesignResult(gait, report, True, message, iterations, evaluations, seconds)
+
+
+def _explain(report: ConstraintReport, result: SqpResult) -> str:
+    if not report.violated:
+        return f"no periodic orbit found: {result.message}, violation {result.violation:.2g}; widen step_duration or step_width"
+    worst = [
+        f"{check.code} {check.name}: {check.value:.4g} {check.unit}, bound {check.bound:.4g}"
+        for check in report.violated[:4]
+    ]
+    more = f" and {len(report.violated) - 4} more" if len(report.violated) > 4 else ""
+    return f"the specification could not be met, nearest point violates {'; '.join(worst)}{more}; relax one of these"
+
+
+def software_versions() -> dict[str, str]:
+    """Versions of everything a gait depends on."""
+    versions = {"frontal-biped": __version__, "python": platform.python_version()}
+    for package in ("pin", "numpy", "scipy", "proxsuite"):
+        try:
+            versions[package] = version(package)
+        except PackageNotFoundError:
+            versions[package] = "unknown"
+    return versions

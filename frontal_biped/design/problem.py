@@ -1,0 +1,261 @@
+"""The gait design problem: minimise J over what hybrid invariance leaves free, under C01 to C09.
+
+Pose and slope at impact and reversal, the final pose and the continuity of the FRI are eliminated, not constrained;
+the one equality left is periodicity, Z(beta_r-) = 0, with beta_r- a decision variable. Everything is evaluated on the
+quadrature nodes from the reversal with exact derivatives.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.design.constraints import SoleHeights, step_constraints
+from frontal_biped.design.derivatives import DifferentiableBiped
+from frontal_biped.design.forward_mode import Dual, independent
+from frontal_biped.design.specification import GaitSpecification
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.frontal_chain import UPRIGHT
+from frontal_biped.poincare import Landing, StepOrbit
+from frontal_biped.quadrature import reversal_quadrature
+from frontal_biped.virtual_constraints.invariance import (
+    FreeParameters,
+    PhaseParameters,
+    double_support_pose,
+    falling_parameters,
+    final_falling_slope,
+    rising_parameters,
+)
+from frontal_biped.virtual_constraints.phase import constrained_motion, phase_basis
+from frontal_biped.zero_dynamics import TORQUES, PhaseOrbit, RestrictedDynamics, integrate_from_reversal
+
+FLOOR_Z = 1e-3
+"""Below this zeta/tau^2 [kg^2 m^4/s^2] the square root is continued smoothly, so that an iterate without an orbit
+still has a cost and a gradient; a gait has values of about 10."""
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """Objective and constraints at one point, with first derivatives.
+
+    Attributes:
+        cost: J [N^2 m s].
+        cost_gradient: (P,).
+        residual_jacobian: (8 n, P) of the weighted torques, whose squares add up to J.
+        equality: (1,) periodicity defect, in units of 0.1 rad^2/s^2.
+        equality_jacobian: (1, P).
+        margins: (k,) scaled margins, >= 0 where satisfied.
+        margins_jacobian: (k, P).
+    """
+
+    cost: float
+    cost_gradient: FloatArray
+    residual_jacobian: FloatArray
+    equality: FloatArray
+    equality_jacobian: FloatArray
+    margins: FloatArray
+    margins_jacobian: FloatArray
+
+
+class DesignProblem:
+    """Objective, constraints, bounds and start of one design.
+
+    Variables, in this order: beta_r-, beta_f-, L_s, rising columns 2..M, falling columns 2..M-1 (both column by
+    column), rising FRI coefficients, falling FRI coefficients 1..M_FRI.
+
+    Args:
+        biped: the robot.
+        specification: degrees and bounds.
+        size: quadrature nodes a phase.
+    """
+
+    def __init__(self, biped: FrontalBiped, specification: GaitSpecification, size: int) -> None:
+        self.biped = biped
+        self.specification = specification
+        self.rule = reversal_quadrature(size)
+        self._differentiable = DifferentiableBiped(biped)
+        M, F = specification.degree, specification.fri_degree
+        tau_squared = self.rule.tau**2
+        self._rising_basis = phase_basis(M, F, 1.0 - tau_squared)
+        self._falling_basis = phase_basis(M, F, tau_squared)
+        sizes = [3, 3 * (M - 1), 3 * (M - 2), F + 1, F]
+        self._splits = np.cumsum(sizes)
+        self.size = int(self._splits[-1])
+        self.tighten_by = 0.0  # distance that every scaled constraint keeps from its bound
+        self._tightened: dict[tuple[str, str], float] = {}
+
+    # ------------------------------------------------------------------ variables
+    def unpack(self, x: FloatArray) -> FreeParameters:
+        """Free parameters of a variable vector (P,)."""
+        a, b, c, d, e = self._splits
+        rising = np.reshape(x[a:b], (-1, 3)).T if not isinstance(x, Dual) else _columns(x, a, b)
+        falling = np.reshape(x[b:c], (-1, 3)).T if not isinstance(x, Dual) else _columns(x, b, c)
+        return FreeParameters(x[0], x[1], x[2], rising, falling, x[c:d], x[d:e])
+
+    def pack(self, free: FreeParameters) -> FloatArray:
+        """Variable vector (P,) of free parameters."""
+        head = [free.beta_reversal, free.beta_impact, free.step_width]
+        columns = [free.rising_columns.T.ravel(), free.falling_columns.T.ravel()]
+        return np.concatenate([head, *columns, free.rising_fri, free.falling_fri])
+
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Lower and upper bounds (P,) of the variables.
+
+        Angles may leave the start by 0.9 rad; beyond that a leg would be horizontal. The FRI coefficients may lie
+        anywhere within three soles, since only the polynomial, not its coefficients, has to stay in the sole.
+        """
+        start = self.start()
+        low, high = start - 0.9, start + 0.9
+        low[:2], high[:2] = start[:2] - 0.15, start[:2] + 0.15
+        low[2], high[2] = self.specification.step_width
+        outer, inner = self.biped.sole
+        fri = slice(self._splits[2], None)
+        low[fri], high[fri] = 3.0 * outer, 3.0 * inner
+        return low, high
+
+    def start(self) -> FloatArray:
+        """Default start (P,): a swayed stand in the middle of the allowed step widths, FRI in the middle of the sole.
+
+        The feet stand symmetrically apart; the stance leg leans out by 0.03 rad to the reversal while the pelvis
+        rolls so that the swing foot rises, flat, by twice the clearance; the joints go there and back smoothly.
+        """
+        spec, biped = self.specification, self.biped
+        # the step no wider than comfortable: half-way in the range, but at most 1.5 hip widths
+        low, high = spec.step_width
+        width = float(np.clip(min(0.5 * (low + high), 1.5 * biped.hip_width), low, high))
+        beta_impact = _symmetric_stance(biped, width)
+        final = double_support_pose(biped, beta_impact, width)
+        lean = max(0.03, 1.2 * spec.min_phase_range)
+        reversal = final[::-1].copy()
+        reversal[0] += lean
+        beta_reversal = float(reversal[0])
+        # lift the hip by pelvis roll: about 2 clearance over the hip width
+        roll = 2.0 * spec.swing_clearance / biped.hip_width
+        if spec.max_pelvis_roll is not None:
+            roll = min(roll, 0.5 * spec.max_pelvis_roll)
+        reversal[1] += roll - lean
+        reversal[2] -= roll
+        M = spec.degree
+        begin, end = final[::-1][1:], final[1:]
+        ramp = np.linspace(0.0, 1.0, M + 1)
+        ease = ramp**2 * (3.0 - 2.0 * ramp)
+        rising = begin[:, None] + (reversal[1:] - begin)[:, None] * ease
+        falling = reversal[1:, None] + (end - reversal[1:])[:, None] * ease
+        middle = 0.5 * sum(biped.sole)
+        return self.pack(
+            FreeParameters(
+                beta_reversal,
+                beta_impact,
+                width,
+                rising[:, 2:],
+                falling[:, 2:-1],
+                np.full(spec.fri_degree + 1, middle),
+                np.full(spec.fri_degree, middle),
+            )
+        )
+
+    def scale(self) -> FloatArray:
+        """(P,) changes of the variables that matter alike: 0.1 rad of a joint, 0.02 of the rest."""
+        scale = np.full(self.size, 0.1)
+        scale[:3] = 0.02, 0.02, 0.05
+        scale[self._splits[2] :] = 0.02
+        return scale
+
+    # ------------------------------------------------------------------ evaluation
+    def evaluate(self, x: FloatArray) -> Evaluation:
+        """Objective and constraints at x (P,), with exact derivatives."""
+        step, soles = self._step(independent(x))
+        lifted = step._replace(
+            rising=_with_floor(step.rising),
+            falling=_with_floor(step.falling),
+        )
+        parts: list[Dual] = []
+        for constraint in step_constraints(self.biped, self.specification, lifted, soles):
+            distance = self.tighten_by + self._tightened.get((constraint.code, constraint.name), 0.0)
+            parts += [cast("Dual", margin - distance) for margin in constraint.margins()]
+        for orbit in (step.rising, step.falling):  # the orbit itself must exist, whatever the floor says
+            parts.append(cast("Dual", (orbit.z - FLOOR_Z) / 10.0))
+        cost, defect = cast("Dual", lifted.cost), cast("Dual", step.periodicity)
+        values = np.concatenate([np.atleast_1d(part.value) for part in parts])
+        jacobian = np.concatenate([np.atleast_2d(part.derivative) for part in parts])
+        return Evaluation(
+            float(cost.value),
+            cost.derivative,
+            np.concatenate([_residual_jacobian(orbit, lifted.step_width) for orbit in (lifted.rising, lifted.falling)]),
+            np.atleast_1d(defect.value) / 0.1,
+            np.atleast_2d(defect.derivative) / 0.1,
+            values,
+            jacobian,
+        )
+
+    def tighten(self, shortfall: Mapping[tuple[str, str], float]) -> None:
+        """Move bounds inwards by the scaled violations found between the nodes, by code and name of the constraint."""
+        for key, violation in shortfall.items():
+            self._tightened[key] = self._tightened.get(key, 0.0) + 1.1 * violation
+
+    def _step(self, x: Dual) -> tuple[StepOrbit, SoleHeights]:
+        free = self.unpack(cast("FloatArray", x))
+        q_minus = double_support_pose(self.biped, free.beta_impact, free.step_width)
+        dq_minus = final_falling_slope(free, q_minus)
+        flat = self._differentiable.impact(cast("Dual", q_minus), cast("Dual", dq_minus))
+        landing = Landing(*(cast("FloatArray", flat[part]) for part in _LANDING_PARTS))
+        rising = rising_parameters(free, q_minus, landing.dq_plus[1:] / landing.speed_ratio)
+        falling = falling_parameters(free, q_minus, rising)
+        up, up_sole = self._orbit(+1, rising)
+        down, down_sole = self._orbit(-1, falling)
+        return StepOrbit(up, down, landing, free.step_width), SoleHeights(up_sole, down_sole)
+
+    def _orbit(self, direction: int, phase: PhaseParameters) -> tuple[PhaseOrbit, FloatArray]:
+        rising = direction > 0
+        reversal, end = (phase.beta_end, phase.beta_start) if rising else (phase.beta_start, phase.beta_end)
+        Delta = reversal - end
+        beta = reversal - Delta * self.rule.tau**2
+        basis = self._rising_basis if rising else self._falling_basis
+        motion = constrained_motion(
+            basis, beta, phase.beta_end - phase.beta_start, phase.joint_bezier, phase.fri_bezier
+        )
+        projected = self._differentiable.project_dynamics(motion)
+        restricted = RestrictedDynamics(projected, motion.p_fri, motion.dp_fri)
+        orbit = integrate_from_reversal(self.rule, direction, Delta, motion, restricted)
+        return orbit, cast("FloatArray", self._differentiable.swing_sole_heights(motion))
+
+
+_LANDING_PARTS = (slice(0, 4), slice(4, 7), slice(7, 9), slice(9, 11))
+
+
+def _residual_jacobian(orbit: PhaseOrbit, step_width: float) -> FloatArray:
+    """(4 n, P) derivative of u sqrt(weight dt/dtau / L_s) at the nodes."""
+    with np.errstate(invalid="ignore"):
+        residual = orbit.generalized_forces[TORQUES] * np.sqrt(orbit.time_density * (orbit.weights / step_width))
+    derivative = cast("Dual", residual).derivative
+    return derivative.reshape(-1, derivative.shape[-1])
+
+
+def _columns(x: Dual, begin: int, end: int) -> FloatArray:
+    part = x[begin:end]
+    shaped = Dual(part.value.reshape(-1, 3), part.derivative.reshape(-1, 3, part.derivative.shape[-1]))
+    return cast("FloatArray", shaped.T)
+
+
+def _with_floor(orbit: PhaseOrbit) -> PhaseOrbit:
+    """The orbit with z >= 0 everywhere: below FLOOR_Z the exponential that continues it with equal slope."""
+    z = cast("Dual", orbit.z)
+    low = z.value < FLOOR_Z
+    if not np.any(low):
+        return orbit
+    tail = FLOOR_Z * np.exp(np.clip(z.value / FLOOR_Z - 1.0, -30.0, 0.0))
+    value = np.where(low, tail, z.value)
+    slope = np.where(low, tail / FLOOR_Z, 1.0)
+    return replace(orbit, z=cast("FloatArray", Dual(value, z.derivative * slope[:, None])))
+
+
+def _symmetric_stance(biped: FrontalBiped, step_width: float) -> float:
+    """Stance ankle angle at which both feet stand flat, ``step_width`` apart, with a level pelvis [rad]."""
+    ankle, hip, _, swing_ankle = biped.chain.joints
+    a = hip - ankle
+    # level pelvis: stance hip where the mirror image of the swing hip is; a turned by x has the horizontal part below
+    horizontal = a[0] + 0.5 * (step_width - (swing_ankle[0] - ankle[0]))
+    length, offset = float(np.hypot(*a)), float(np.arctan2(a[0], a[1]))
+    return UPRIGHT - float(np.arcsin(np.clip(horizontal / length, -0.9, 0.9))) + offset

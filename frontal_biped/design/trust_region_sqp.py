@@ -1,0 +1,274 @@
+"""Trust-region sequential quadratic programming for a smooth problem with many inequalities.
+
+    minimise f(x) = sum of squares   subject to   c_E(x) = 0,   c_I(x) >= 0,   low <= x <= high
+
+Each step solves an elastic quadratic program (the linearised constraints may be violated by one common slack t, at
+the price rho t), so no linearisation is ever inconsistent, and the answer of an infeasible problem is the point that
+violates it least. Steps are measured with the exact penalty function f + rho max(|c_E|, -c_I); a step that fails for
+the curvature of the constraints is corrected to second order before the trust region shrinks. The Hessian is the
+Gauss-Newton matrix of the sum of squares while that makes progress, and a damped BFGS matrix of the Lagrangian,
+started from it, to finish (cf. Nocedal and Wright, Numerical Optimization, Ch. 18).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.quadratic_program import UNBOUNDED, ProxQpSolver, QpSolution, QuadraticProgram
+
+
+class PointEvaluation(Protocol):
+    """Values and derivatives at one point."""
+
+    @property
+    def cost(self) -> float:
+        """Objective."""
+
+    @property
+    def cost_gradient(self) -> FloatArray:
+        """(P,)."""
+
+    @property
+    def residual_jacobian(self) -> FloatArray:
+        """(R, P) of residuals whose squares add up to the objective."""
+
+    @property
+    def equality(self) -> FloatArray:
+        """(e,)."""
+
+    @property
+    def equality_jacobian(self) -> FloatArray:
+        """(e, P)."""
+
+    @property
+    def margins(self) -> FloatArray:
+        """(k,) must be >= 0."""
+
+    @property
+    def margins_jacobian(self) -> FloatArray:
+        """(k, P)."""
+
+
+@dataclass(frozen=True)
+class SqpSettings:
+    """Settings of the iteration, in units of the scaled problem.
+
+    Attributes:
+        cost_scale: the objective is multiplied by this.
+        penalty: rho; must exceed the sum of the multipliers for the penalty to be exact.
+        radius: first trust region, in scaled variables.
+        max_radius: largest trust region.
+        min_radius: smallest trust region; below it the iteration stops.
+        max_iterations: of the whole iteration.
+        tolerance: predicted decrease of the scaled penalty function at which to stop.
+        feasible: largest violation of a point that counts as feasible.
+    """
+
+    cost_scale: float = 1e-2
+    penalty: float = 1e3
+    radius: float = 1.0
+    max_radius: float = 10.0
+    min_radius: float = 1e-9
+    max_iterations: int = 300
+    tolerance: float = 1e-7
+    feasible: float = 1e-7
+
+
+@dataclass(frozen=True)
+class SqpResult:
+    """Where the iteration stopped.
+
+    Attributes:
+        x: (P,) best point.
+        cost: objective there.
+        violation: largest violation of a scaled constraint there.
+        iterations: quadratic programs solved for a step.
+        evaluations: of objective and constraints.
+        converged: was the predicted decrease below the tolerance?
+        feasible: was the violation small enough?
+        message: why it stopped.
+    """
+
+    x: FloatArray
+    cost: float
+    violation: float
+    iterations: int
+    evaluations: int
+    converged: bool
+    feasible: bool
+    message: str
+
+
+def minimise(
+    evaluate: Callable[[FloatArray], PointEvaluation],
+    x0: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    scale: FloatArray,
+    settings: SqpSettings,
+    on_iteration: Callable[[int, float, float], None] | None = None,
+) -> SqpResult:
+    """Minimise from x0.
+
+    Args:
+        evaluate: objective and constraints with derivatives at x (P,); values that are not finite reject the step.
+        x0: (P,) start.
+        low: (P,) lower bounds.
+        high: (P,) upper bounds.
+        scale: (P,) typical changes of the variables.
+        settings: of the iteration.
+        on_iteration: called with iteration, objective and violation.
+
+    Returns:
+        The best point and how it was reached; infeasibility is a result, not an exception.
+    """
+    iteration = _Iteration(evaluate, np.clip(x0, low, high), low, high, scale, settings)
+    return iteration.run(on_iteration)
+
+
+class _Iteration:
+    """State of one run: point, Hessian, trust region."""
+
+    def __init__(
+        self,
+        evaluate: Callable[[FloatArray], PointEvaluation],
+        x0: FloatArray,
+        low: FloatArray,
+        high: FloatArray,
+        scale: FloatArray,
+        settings: SqpSettings,
+    ) -> None:
+        self.evaluate, self.low, self.high, self.scale, self.settings = evaluate, low, high, scale, settings
+        self.x = x0
+        self.point = evaluate(x0)
+        self.evaluations = 1
+        self.radius = settings.radius
+        self.hessian = self._gauss_newton()
+        self.secant = False
+
+    def run(self, on_iteration: Callable[[int, float, float], None] | None) -> SqpResult:
+        settings = self.settings
+        converged, message, count = False, "the iteration limit was reached", 0
+        for count in range(1, settings.max_iterations + 1):
+            step, solution, kept = self._subproblem(self.point, np.zeros_like(self.x))
+            predicted = self._merit(self.point) - self._model(step)
+            if predicted < settings.tolerance or self.radius < settings.min_radius:
+                if not self.secant:  # Gauss-Newton is done: finish with curvature of the constraints
+                    self.secant, self.radius = True, max(self.radius, 1e-2)
+                    self.hessian = self._gauss_newton()
+                    continue
+                converged = predicted < settings.tolerance
+                message = "converged" if converged else "the trust region became too small"
+                break
+            self._take(step, solution, kept, predicted)
+            if on_iteration is not None:
+                on_iteration(count, self.point.cost, _violation(self.point))
+        violation = _violation(self.point)
+        return SqpResult(
+            self.x, self.point.cost, violation, count, self.evaluations, converged, violation <= settings.feasible, message
+        )
+
+    # ------------------------------------------------------------------ one step
+    def _take(self, step: FloatArray, solution: QpSolution, kept: FloatArray, predicted: float) -> None:
+        merit = self._merit(self.point)
+        trial = self._evaluate(step)
+        gain = (merit - self._merit(trial)) / predicted
+        if gain < 0.75 and _violation(self.point) < _violation(trial) < 5.0:
+            corrected, *_ = self._subproblem(trial, step)
+            second = self._evaluate(corrected)
+            if self._merit(second) < self._merit(trial):
+                step, trial = corrected, second
+                gain = (merit - self._merit(trial)) / predicted
+        length = float(np.max(np.abs(step)))
+        if gain > 1e-4:
+            if self.secant:
+                self._update_hessian(step, trial, solution, kept)
+            self.x = np.clip(self.x + self.scale * step, self.low, self.high)
+            self.point = trial
+            if not self.secant:
+                self.hessian = self._gauss_newton()
+        if gain > 0.75 and length > 0.9 * self.radius:
+            self.radius = min(2.0 * self.radius, self.settings.max_radius)
+        elif gain < 0.25:
+            self.radius = (0.5 if gain > 0.0 else 0.25) * length
+
+    def _subproblem(self, at: PointEvaluation, shift: FloatArray) -> tuple[FloatArray, QpSolution, FloatArray]:
+        """Elastic QP in (step, t), with constraint values taken at ``at`` = x + shift (second-order correction)."""
+        point, scale, n = self.point, self.scale, len(self.x)
+        A, a = point.margins_jacobian * scale, point.equality_jacobian * scale
+        margins, equality = at.margins - A @ shift, at.equality - a @ shift
+        low = np.maximum((self.low - self.x) / scale, -self.radius)
+        high = np.minimum((self.high - self.x) / scale, self.radius)
+        # rows that cannot become active inside the box are left out
+        kept = margins - np.abs(A) @ np.maximum(-low, high) < 0.0
+        elastic = np.concatenate([A[kept], a, -a])
+        slack = np.ones((len(elastic), 1))
+        H = np.zeros((n + 1, n + 1))
+        H[:n, :n] = self.hessian
+        H[n, n] = 1e-6  # keeps the slack's column from being singular
+        qp = QuadraticProgram(
+            H=H,
+            g=np.append(self.settings.cost_scale * point.cost_gradient * scale, self.settings.penalty),
+            A=np.zeros((0, n + 1)),
+            b=np.zeros(0),
+            C=np.concatenate([np.hstack([elastic, slack]), np.eye(n + 1)]),
+            l=np.concatenate([-margins[kept], -equality, equality, low, [0.0]]),
+            u=np.concatenate([np.full(len(elastic), UNBOUNDED), high, [UNBOUNDED]]),
+        )
+        solution = ProxQpSolver(accuracy=1e-8).solve(qp)
+        return np.clip(solution.x[:n], low, high), solution, kept
+
+    # ------------------------------------------------------------------ models
+    def _evaluate(self, step: FloatArray) -> PointEvaluation:
+        self.evaluations += 1
+        return self.evaluate(np.clip(self.x + self.scale * step, self.low, self.high))
+
+    def _merit(self, point: PointEvaluation) -> float:
+        merit = self.settings.cost_scale * point.cost + self.settings.penalty * _violation(point)
+        # an iterate outside the domain of the formulas (nan, or a cost of nonsense) is no progress
+        return merit if np.isfinite(merit) and point.cost > 0.0 else np.inf
+
+    def _model(self, step: FloatArray) -> float:
+        point, scale = self.point, self.scale
+        margins = point.margins + (point.margins_jacobian * scale) @ step
+        equality = point.equality + (point.equality_jacobian * scale) @ step
+        violation = max(0.0, float(-np.min(margins)), float(np.max(np.abs(equality))))
+        gradient = self.settings.cost_scale * point.cost_gradient * scale
+        quadratic = gradient @ step + 0.5 * step @ self.hessian @ step
+        return float(self.settings.cost_scale * point.cost + quadratic + self.settings.penalty * violation)
+
+    def _gauss_newton(self) -> FloatArray:
+        R = self.point.residual_jacobian * self.scale
+        return 2.0 * self.settings.cost_scale * R.T @ R + 1e-6 * np.eye(len(self.x))
+
+    def _update_hessian(self, step: FloatArray, trial: PointEvaluation, solution: QpSolution, kept: FloatArray) -> None:
+        """Powell's damped BFGS update with the multipliers of the quadratic program."""
+        e = len(trial.equality)
+        count = int(kept.sum())
+        inequality = np.zeros(len(kept))
+        inequality[kept] = solution.z[:count]
+        equality = solution.z[count : count + e] - solution.z[count + e : count + 2 * e]
+
+        def gradient(point: PointEvaluation) -> FloatArray:
+            lagrangian = self.settings.cost_scale * point.cost_gradient
+            lagrangian = lagrangian + point.margins_jacobian.T @ inequality + point.equality_jacobian.T @ equality
+            return lagrangian * self.scale
+
+        change = gradient(trial) - gradient(self.point)
+        Hs = self.hessian @ step
+        curvature, along = float(step @ Hs), float(step @ change)
+        if curvature <= 0.0:
+            return
+        if along < 0.2 * curvature:
+            blend = 0.8 * curvature / (curvature - along)
+            change = blend * change + (1.0 - blend) * Hs
+            along = float(step @ change)
+        self.hessian = self.hessian - np.outer(Hs, Hs) / curvature + np.outer(change, change) / along
+
+
+def _violation(point: PointEvaluation) -> float:
+    worst = max(float(-np.min(point.margins, initial=0.0)), float(np.max(np.abs(point.equality), initial=0.0)))
+    return max(0.0, worst) if np.isfinite(worst) else np.inf

@@ -1,0 +1,25 @@
+"""Virtual constraints: Bezier polynomials over beta, the two phases of a step, hybrid invariance."""
+
+from frontal_biped.virtual_constraints.bezier import bernstein, bernstein_derivative
+from frontal_biped.virtual_constraints.invariance import (
+    FreeParameters,
+    complete,
+    double_support_pose,
+    impact_slope,
+    invariance_residuals,
+)
+from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase, constrained_motion, phase_basis
+
+__all__ = [
+    "ConstrainedMotion",
+    "FreeParameters",
+    "Phase",
+    "bernstein",
+    "bernstein_derivative",
+    "complete",
+    "constrained_motion",
+    "double_support_pose",
+    "impact_slope",
+    "invariance_residuals",
+    "phase_basis",
+]

@@ -1,0 +1,268 @@
+r"""Zero dynamics of one phase in closed form: [O] eq. zerodyn1, zerodyn2, edo2 and soledo.
+
+On the zero dynamics manifold Z the robot follows q = (beta, h_d(beta)), so dq = q' dbeta and
+ddq = q'' dbeta^2 + q' ddbeta (primes: derivatives with respect to beta). Inverse dynamics is linear in ddbeta and
+dbeta^2 there; with w = (F_h, F_v, N_0, u_1..u_4),
+
+.. math:: w = A(\beta)\,\ddot\beta + B(\beta)\,\dot\beta^2 + G(\beta).
+
+The rows of A are the momentum map: A_h = m p_cm_h', A_v = m p_cm_v', A_N = I_0, the angular momentum about the
+ground point below the ankle per unit of dbeta. The ground reaction acts at the FRI, N_0 = p_FRI F_v: one scalar
+equation of motion, and the whole zero dynamics. With I_P = A_N - p_FRI A_v (so sigma_FRI = I_P dbeta):
+
+    kappa_1 = 1 / I_P
+    kappa_2 = -(G_N - p_FRI G_v)           = -m g (p_cm_h - p_FRI)
+    kappa_3 = -p_FRI' A_v / I_P^2          = -m p_FRI' p_cm_v' kappa_1^2
+    dzeta/dbeta = kappa_2/kappa_1 + 2 (kappa_3/kappa_1) zeta,      zeta = sigma_FRI^2 / 2
+
+kappa_3 is what remains of the moving FRI: d(sigma_P)/dt = moment - dp/dt m dp_cm_v.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import BarycentricInterpolator
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.exceptions import ReversalError
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.quadrature import ReversalQuadrature, reversal_quadrature
+from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase
+
+F_H, F_V, N_0 = 0, 1, 2  # rows of w
+TORQUES = slice(3, 7)
+
+
+class ProjectedDynamics(NamedTuple):
+    """Inverse dynamics along a curve in the configuration space, w = A ddbeta + B dbeta^2 + G.
+
+    Attributes:
+        A: (7, n) coefficient of ddbeta.
+        B: (7, n) coefficient of dbeta^2.
+        G: (7, n) weight.
+    """
+
+    A: FloatArray
+    B: FloatArray
+    G: FloatArray
+
+
+def project_dynamics(biped: FrontalBiped, motion: ConstrainedMotion) -> ProjectedDynamics:
+    """Project the full dynamics on a curve q(beta) given with its first two derivatives."""
+    rest = np.zeros(4)
+    A = np.array([biped.momentum_map(q) @ dq for q, dq in zip(motion.q, motion.dq, strict=True)])
+    G = np.array([biped.inverse_dynamics(q, rest, rest) for q in motion.q])
+    weighted = np.array([biped.inverse_dynamics(*point) for point in zip(*motion[:3], strict=True)])
+    return ProjectedDynamics(A.T, (weighted - G).T, G.T)
+
+
+@dataclass(frozen=True)
+class RestrictedDynamics:
+    """The scalar dynamics on Z at n points.
+
+    Attributes:
+        projected: inverse dynamics along the virtual constraints.
+        p_fri: (n,) FRI target [m].
+        dp_fri: (n,) its derivative with respect to beta [m/rad].
+    """
+
+    projected: ProjectedDynamics
+    p_fri: FloatArray
+    dp_fri: FloatArray
+
+    @cached_property
+    def I_P(self) -> FloatArray:
+        """(n,) angular momentum about the FRI per unit of dbeta [kg m^2]; zero where decoupling is lost (C03)."""
+        return self.projected.A[N_0] - self.p_fri * self.projected.A[F_V]
+
+    def I_ankle(self, ankle_height: float) -> FloatArray:
+        """(n,) angular momentum about the stance ankle per unit of dbeta [kg m^2]."""
+        return self.projected.A[N_0] + ankle_height * self.projected.A[F_H]
+
+    @property
+    def kappa_1(self) -> FloatArray:
+        """(n,) [1/(kg m^2)]."""
+        return 1.0 / self.I_P
+
+    @cached_property
+    def kappa_2(self) -> FloatArray:
+        """(n,) moment of the weight about the FRI [N m]."""
+        return -(self.projected.G[N_0] - self.p_fri * self.projected.G[F_V])
+
+    @property
+    def kappa_3(self) -> FloatArray:
+        """(n,) [1/(kg m^2)]."""
+        return -self.dp_fri * self.projected.A[F_V] / self.I_P**2
+
+    @property
+    def drive(self) -> FloatArray:
+        """(n,) kappa_2 / kappa_1, the right-hand side of the equation in zeta."""
+        return self.kappa_2 * self.I_P
+
+    @property
+    def rate(self) -> FloatArray:
+        """(n,) 2 kappa_3 / kappa_1, its linear coefficient [1/rad]."""
+        return -2.0 * self.dp_fri * self.projected.A[F_V] / self.I_P
+
+    def acceleration(self, dbeta_squared: FloatArray) -> FloatArray:
+        """(n,) ddbeta [rad/s^2] at the given dbeta^2 (n,) [rad^2/s^2], from N_0 = p_FRI F_v."""
+        B = self.projected.B
+        return (self.kappa_2 - (B[N_0] - self.p_fri * B[F_V]) * dbeta_squared) / self.I_P
+
+
+def restrict(biped: FrontalBiped, phase: Phase, beta: FloatArray) -> RestrictedDynamics:
+    """Zero dynamics of a phase at beta (n,) [rad]."""
+    return _at(biped, phase, beta)[1]
+
+
+@dataclass(frozen=True)
+class PhaseOrbit:
+    """Orbit of the zero dynamics through a reversal, at the points beta = beta_r- - Delta tau^2.
+
+    tau = 0 is the reversal and tau = 1 the impact: where a rising phase starts and a falling phase ends.
+
+    Attributes:
+        tau: (n,) [-].
+        weights: (n,) quadrature weights of int_0^1 f dtau [-].
+        direction: +1 rising, -1 falling: the sign of dbeta.
+        Delta: |beta_r- - beta_impact| [rad].
+        motion: configuration, its derivatives and the FRI target.
+        restricted: the scalar dynamics.
+        log_delta_squared: (n,) int from the reversal to beta of 2 kappa_3/kappa_1; its exponential is delta_FRI^2.
+        z: (n,) zeta / tau^2, smooth and positive through the reversal of a gait [kg^2 m^4/s^2].
+    """
+
+    tau: FloatArray
+    weights: FloatArray
+    direction: int
+    Delta: float
+    motion: ConstrainedMotion
+    restricted: RestrictedDynamics
+    log_delta_squared: FloatArray
+    z: FloatArray
+
+    @property
+    def beta(self) -> FloatArray:
+        """(n,) [rad]."""
+        return self.motion.q[:, 0]
+
+    @property
+    def zeta(self) -> FloatArray:
+        """(n,) sigma_FRI^2 / 2 [kg^2 m^4/s^2]."""
+        return self.tau**2 * self.z
+
+    @property
+    def V_Z(self) -> FloatArray:
+        """(n,) V_Z = delta_FRI^2 zeta+ - zeta, integrated from the start of the phase ([O] eq. soledo)."""
+        start = -1 if self.direction > 0 else 0
+        delta_squared = np.exp(self.log_delta_squared - self.log_delta_squared[start])
+        return delta_squared * self.zeta[start] - self.zeta
+
+    @cached_property
+    def root_two_z(self) -> FloatArray:
+        """(n,) |sigma_FRI| / tau; nan where the orbit does not exist."""
+        with np.errstate(invalid="ignore"):
+            return np.sqrt(2.0 * self.z)
+
+    @cached_property
+    def dbeta(self) -> FloatArray:
+        """(n,) [rad/s]."""
+        return self.direction * self.tau * self.root_two_z / self.restricted.I_P
+
+    @cached_property
+    def ddbeta(self) -> FloatArray:
+        """(n,) [rad/s^2]."""
+        return self.restricted.acceleration(self.dbeta**2)
+
+    @cached_property
+    def generalized_forces(self) -> FloatArray:
+        """(7, n) rows F_h, F_v [N], N_0, u_1..u_4 [N m] on the orbit."""
+        A, B, G = self.restricted.projected
+        return A * self.ddbeta + B * self.dbeta**2 + G
+
+    @cached_property
+    def time_density(self) -> FloatArray:
+        """(n,) dt/dtau [s]: finite at the reversal, where dt/dbeta is not."""
+        return 2.0 * self.Delta * self.restricted.I_P / self.root_two_z
+
+    @property
+    def duration(self) -> float:
+        """Time between the reversal and the impact [s]."""
+        return self.weights @ self.time_density  # type: ignore[no-any-return]
+
+    @property
+    def squared_torque(self) -> float:
+        """int u'u dt over the phase [N^2 m^2 s]."""
+        u = self.generalized_forces[TORQUES]
+        return self.weights @ ((u**2).sum(axis=0) * self.time_density)  # type: ignore[no-any-return]
+
+
+def integrate_from_reversal(
+    rule: ReversalQuadrature, direction: int, Delta: float, motion: ConstrainedMotion, restricted: RestrictedDynamics
+) -> PhaseOrbit:
+    """Solve dzeta/dbeta = drive + rate zeta with zeta = 0 at the reversal.
+
+    zeta(beta) = int from beta_r- to beta of exp(int_x^beta rate) drive(x) dx, with dx = -2 Delta r dr.
+
+    Args:
+        rule: quadrature nodes.
+        direction: +1 rising, -1 falling.
+        Delta: |beta_r- - beta_impact| [rad].
+        motion: the virtual constraints at the nodes.
+        restricted: the scalar dynamics at the nodes.
+
+    Returns:
+        The orbit at the nodes.
+    """
+    exponent = (-2.0 * Delta) * rule.tau**2 * (rule.Q @ restricted.rate)
+    z = (-2.0 * Delta) * np.exp(exponent) * (rule.Q @ (np.exp(-exponent) * restricted.drive))
+    return PhaseOrbit(rule.tau, rule.weights, direction, Delta, motion, restricted, exponent, z)
+
+
+def phase_orbit(
+    biped: FrontalBiped, phase: Phase, direction: int, size: int, beta_reversal: float | None = None
+) -> PhaseOrbit:
+    """Orbit of a phase through a reversal.
+
+    Args:
+        biped: the robot.
+        phase: virtual constraints.
+        direction: +1 for a rising phase, -1 for a falling one.
+        size: number of quadrature nodes.
+        beta_reversal: where it reverses; default: where the phase plans it.
+
+    Returns:
+        The orbit between the reversal and the impact end of the phase.
+
+    Raises:
+        ReversalError: the reversal lies on the wrong side of the impact.
+    """
+    planned, impact_end = (phase.beta_end, phase.beta_start) if direction > 0 else (phase.beta_start, phase.beta_end)
+    reversal = planned if beta_reversal is None else beta_reversal
+    Delta = reversal - impact_end
+    if Delta <= 0.0:
+        raise ReversalError(f"reversal at beta = {reversal:.6g} rad is not above the impact at {impact_end:.6g} rad")
+    rule = reversal_quadrature(size)
+    motion, restricted = _at(biped, phase, reversal - Delta * rule.tau**2)
+    return integrate_from_reversal(rule, direction, Delta, motion, restricted)
+
+
+def resample(biped: FrontalBiped, phase: Phase, orbit: PhaseOrbit, tau: FloatArray) -> PhaseOrbit:
+    """The same orbit at other points tau (n,) in [0, 1], increasing.
+
+    zeta is interpolated by the polynomial through the quadrature nodes; configuration, dynamics and FRI are
+    evaluated afresh. The weights are those of the trapezoidal rule.
+    """
+    values = np.stack([orbit.z, orbit.log_delta_squared], axis=1)
+    z, exponent = BarycentricInterpolator(orbit.tau, values)(tau).T
+    motion, restricted = _at(biped, phase, orbit.beta[0] - orbit.Delta * tau**2)
+    weights = np.gradient(tau)
+    weights[[0, -1]] *= 0.5
+    return PhaseOrbit(tau, weights, orbit.direction, orbit.Delta, motion, restricted, exponent, z)
+
+
+def _at(biped: FrontalBiped, phase: Phase, beta: FloatArray) -> tuple[ConstrainedMotion, RestrictedDynamics]:
+    motion = phase.motion(beta)
+    return motion, RestrictedDynamics(project_dynamics(biped, motion), motion.p_fri, motion.dp_fri)
