@@ -6,7 +6,7 @@ Bounds on single variables are rows of C: ProxQP's separate box constraints cann
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from proxsuite import proxqp
@@ -79,35 +79,35 @@ class ProxQpSolver:
     def __init__(self, accuracy: float = DEFAULT_ACCURACY, max_iterations: int = DEFAULT_MAX_ITERATIONS) -> None:
         self.accuracy = accuracy
         self.max_iterations = max_iterations
-        self._solver: proxqp.dense.QP | None = None
+        self._solver: Any = None
         self._shape: tuple[int, int, int] | None = None
 
     def solve(self, qp: QuadraticProgram, guess: FloatArray | None = None) -> QpSolution:
         """Solve; a problem of the same shape as the last one starts from that one's answer.
+
+        A warm-started solver can stall on penalties left over from its last problem, so one that does not reach its
+        accuracy is set up afresh and tried once more.
 
         Args:
             qp: the problem.
             guess: (n,) a primal point to start from instead, with zero multipliers.
         """
         shape = (len(qp.g), len(qp.b), len(qp.l))
-        matrices = (qp.H, qp.g, qp.A, qp.b, qp.C, qp.l, qp.u)
-        if self._solver is None or shape != self._shape:
-            solver = proxqp.dense.QP(*shape)
-            solver.settings.eps_abs = self.accuracy
-            solver.settings.eps_rel = 0.0
-            solver.settings.max_iter = self.max_iterations
-            solver.settings.initial_guess = proxqp.InitialGuess.NO_INITIAL_GUESS
-            solver.init(*matrices)
-            self._solver, self._shape = solver, shape
-        else:
-            solver = self._solver
+        fresh = self._solver is None or shape != self._shape
+        if fresh:
+            self._set_up(qp, shape)
+        solver = self._solver
+        if not fresh:
             solver.settings.initial_guess = proxqp.InitialGuess.WARM_START_WITH_PREVIOUS_RESULT
-            solver.update(*matrices)
+            solver.update(*qp)
         if guess is None:
             solver.solve()
         else:
             solver.settings.initial_guess = proxqp.InitialGuess.WARM_START
             solver.solve(guess, np.zeros(shape[1]), np.zeros(shape[2]))
+        if solver.results.info.status != proxqp.PROXQP_SOLVED:
+            solver = self._set_up(qp, shape)
+            solver.solve()
         results = solver.results
         return QpSolution(
             x=np.array(results.x),
@@ -117,3 +117,13 @@ class ProxQpSolver:
             status=results.info.status.name,
             iterations=int(results.info.iter),
         )
+
+    def _set_up(self, qp: QuadraticProgram, shape: tuple[int, int, int]) -> Any:
+        solver = proxqp.dense.QP(*shape)
+        solver.settings.eps_abs = self.accuracy
+        solver.settings.eps_rel = 0.0
+        solver.settings.max_iter = self.max_iterations
+        solver.settings.initial_guess = proxqp.InitialGuess.EQUALITY_CONSTRAINED_INITIAL_GUESS
+        solver.init(*qp)
+        self._solver, self._shape = solver, shape
+        return solver

@@ -107,7 +107,7 @@ class QpController:
         targets = Targets(h_d1, h_d2 * dq[0] ** 2, -self._kd * dy - self._kp * y, p_fri)
         solution = self.solve(q, dq, targets)
         self.ticks += 1
-        x = solution.x
+        x = solution.x * self._qp.scale
         if not solution.solved:
             self.unsolved += 1
             if self._last is not None:

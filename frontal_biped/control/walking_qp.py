@@ -2,7 +2,7 @@
 
 Decision variables x = (ddq (4), u (4), F_h, F_v).
 
-    minimise    1/2 |ddy - v|^2 + 1/2 w_FRI (N_0 - p_FRI^d F_v)^2
+    minimise    1/2 |(ddy - v) / a_0|^2 + 1/2 |(N_0 - p_FRI^d F_v) / T_0|^2
     subject to  D ddq + C dq + G = u                       dynamics of the pinned robot
                 F = m (a_cm + (0, g))                      ground reaction
                 |u| <= u_max                               torque limits
@@ -13,7 +13,8 @@ Decision variables x = (ddq (4), u (4), F_h, F_v).
 ddy = ddq_b - h_d' ddbeta - h_d'' dbeta^2 is the acceleration of the output y = q_b - h_d(beta), v the one asked for,
 and N_0 = u_1 - armature ddq_1 - h_a F_h + m_f g c_f the moment of the ground reaction about the ground below the
 ankle. Four targets meet four freedoms: while no limit is active both costs vanish, the solution is the input-output
-linearising torque with the FRI on its target, and the weight w_FRI does not matter.
+linearising torque with the FRI on its target, and the weights a_0 and T_0 do not matter. Inside the program u and F
+are in units of T_0 and m g, and every row likewise, so that one absolute tolerance fits all.
 """
 
 from typing import NamedTuple
@@ -27,6 +28,8 @@ from frontal_biped.model.frontal_chain import GRAVITY
 from frontal_biped.quadratic_program import UNBOUNDED, QuadraticProgram
 
 VARIABLES = 10
+OUTPUT_ACCELERATION = 10.0  # a_0 [rad/s^2]
+TORQUE_LEVER = 0.1  # T_0 = m g times this [m], of the order of a sole
 DDQ, U, FORCE = slice(0, 4), slice(4, 8), slice(8, 10)
 
 
@@ -70,13 +73,14 @@ class WalkingQp:
     Args:
         biped: the robot.
         limits: to keep.
-        fri_weight: w_FRI [1/(kg^2 m^4)].
     """
 
-    def __init__(self, biped: FrontalBiped, limits: ContactLimits, fri_weight: float = 1e-2) -> None:
+    def __init__(self, biped: FrontalBiped, limits: ContactLimits) -> None:
         self.biped = biped
         self.limits = limits
-        self.fri_weight = fri_weight
+        T_0, F_0 = TORQUE_LEVER * biped.weight, biped.weight
+        self.scale = np.array([1.0] * 4 + [T_0] * 4 + [F_0] * 2)  # of the variables
+        self._row_scale = np.array([T_0] * 4 + [F_0] * 2)  # of the equalities
         self._model = biped.floating
         self._data = biped.floating.createData()
         self._q, self._dq = np.zeros(BASE + 4), np.zeros(BASE + 4)
@@ -90,7 +94,7 @@ class WalkingQp:
         self._task = np.zeros((4, VARIABLES))  # outputs and FRI: residual = task x - goal
         self._task[:3, 1:4] = np.eye(3)
         self._goal = np.zeros(4)
-        self._weights = np.array([1.0, 1.0, 1.0, fri_weight])
+        self._task_scale = np.array([OUTPUT_ACCELERATION] * 3 + [T_0])
         self._A = np.zeros((6, VARIABLES))
         self._A[:4, U] = np.eye(4)
         self._A[4:, FORCE] = np.eye(2)
@@ -105,11 +109,16 @@ class WalkingQp:
         moment = self._moment_constant
         l = np.concatenate([[0.0, 0.0, -moment, moment, limits.min_normal_force], -limits.max_torque])
         u = np.concatenate([np.full(5, UNBOUNDED), limits.max_torque])
+        rows = np.array([F_0, F_0, T_0, T_0, F_0] + [T_0] * 4)
         H, g = np.zeros((VARIABLES, VARIABLES)), np.zeros(VARIABLES)
-        self.program = QuadraticProgram(H, g, self._A, self._b, C, l, u)
+        A, b = np.zeros_like(self._A), np.zeros(6)
+        self.program = QuadraticProgram(H, g, A, b, C * self.scale / rows[:, None], l / rows, u / rows)
 
     def build(self, q: FloatArray, dq: FloatArray, targets: Targets) -> QuadraticProgram:
-        """The program at the state q (4,) [rad], dq (4,) [rad/s]; its arrays are reused by the next call."""
+        """The program at the state q (4,) [rad], dq (4,) [rad/s]; its arrays are reused by the next call.
+
+        Its solution times `scale` is (ddq, u, F_h, F_v) in SI units.
+        """
         self._q[BASE:], self._dq[BASE:] = q, dq
         M = pin.crba(self._model, self._data, self._q)
         bias = pin.nonLinearEffects(self._model, self._data, self._q, self._dq)
@@ -126,13 +135,18 @@ class WalkingQp:
         task[3] = self._moment_row
         task[3, 9] -= targets.p_fri
         goal[3] = -self._moment_constant
-        weighted = task * self._weights[:, None]
-        np.matmul(task.T, weighted, out=self.program.H)
-        np.matmul(goal, -weighted, out=self.program.g)
-        return self.program
+
+        program = self.program
+        np.multiply(self._A, self.scale, out=program.A)
+        program.A[...] /= self._row_scale[:, None]
+        np.divide(self._b, self._row_scale, out=program.b)
+        scaled = task * self.scale / self._task_scale[:, None]
+        np.matmul(scaled.T, scaled, out=program.H)
+        np.matmul(-goal / self._task_scale, scaled, out=program.g)
+        return program
 
     def unconstrained(self) -> FloatArray:
-        """(10,) x of the program just built without its inequalities: the closed-form linearising torque.
+        """(10,) scaled x of the program just built without its inequalities: the closed-form linearising torque.
 
         Eliminating u and F leaves four equations for ddq, singular exactly where I_P = 0 (C03).
         """
@@ -140,9 +154,9 @@ class WalkingQp:
         T = np.concatenate([np.eye(4), -self._A[:, DDQ]])
         t = np.concatenate([np.zeros(4), self._b])
         ddq = np.linalg.solve(self._task @ T, self._goal - self._task @ t)
-        return np.asarray(T @ ddq + t)
+        return np.asarray((T @ ddq + t) / self.scale)
 
     def satisfies_limits(self, x: FloatArray) -> bool:
-        """Does x (10,) keep every inequality?"""
+        """Does the scaled x (10,) keep every inequality?"""
         value = self.program.C @ x
         return bool(np.all(value >= self.program.l) and np.all(value <= self.program.u))

@@ -1,0 +1,107 @@
+"""The hybrid system of the full model: flow, guards and reset ([O] eq. hybridsystem, with Sigma_f for its second half)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from typing import NamedTuple
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.frontal_chain import UPRIGHT
+from frontal_biped.model.impact import Impact, impact
+
+FLAT_LANDING = 0.02
+"""Largest rotation of the swing foot [rad] that settles flat at impact; a steeper one is a stumble."""
+
+GRAZE = 1e-6
+"""How far [m] the swing sole may dip below the ground while rising before that counts as touching it; rounding at
+lift-off is far below."""
+
+
+class EventKind(Enum):
+    """What ends a phase."""
+
+    REVERSAL = "reversal"
+    IMPACT = "impact"
+    EARLY_LANDING = "the swing foot touched the ground before the reversal"
+    SECOND_REVERSAL = "the stance leg turned outwards again before the swing foot landed"
+    TIPPED_OUTWARDS = "the robot tipped over its stance foot, away from the swing foot"
+    COLLAPSED = "the centre of mass dropped below 60 % of its upright height"
+    EDGE_LANDING = "the swing foot landed on its edge"
+
+
+class Guard(NamedTuple):
+    """A function of the state whose zero crossing is an event.
+
+    Attributes:
+        kind: of the event.
+        function: q (4,), dq (4,) to a scalar.
+        direction: -1 if only downward crossings count, +1 if only upward ones.
+    """
+
+    kind: EventKind
+    function: Callable[[FloatArray, FloatArray], float]
+    direction: int
+
+
+@dataclass(frozen=True)
+class Guards:
+    """Guards of the two phases."""
+
+    rising: tuple[Guard, ...]
+    falling: tuple[Guard, ...]
+
+
+def walking_guards(biped: FrontalBiped) -> Guards:
+    """Guards of a walking biped: reversal and impact, and the ways to fall."""
+    upright_height = float(biped.com(np.full(4, UPRIGHT))[1])
+    outer, _ = biped.sole
+
+    def speed(_: FloatArray, dq: FloatArray) -> float:
+        return float(dq[0])
+
+    def clearance(q: FloatArray, _: FloatArray) -> float:
+        return float(biped.swing_sole(q)[:, 1].min())
+
+    def grazing_clearance(q: FloatArray, dq: FloatArray) -> float:
+        return clearance(q, dq) + GRAZE
+
+    def inside_outer_edge(q: FloatArray, _: FloatArray) -> float:
+        return float(biped.com(q)[0]) - outer
+
+    def height(q: FloatArray, _: FloatArray) -> float:
+        return float(biped.com(q)[1]) - 0.6 * upright_height
+
+    fallen = (
+        Guard(EventKind.TIPPED_OUTWARDS, inside_outer_edge, -1),
+        Guard(EventKind.COLLAPSED, height, -1),
+    )
+    return Guards(
+        rising=(
+            Guard(EventKind.REVERSAL, speed, -1),
+            Guard(EventKind.EARLY_LANDING, grazing_clearance, -1),
+            *fallen,
+        ),
+        falling=(
+            Guard(EventKind.IMPACT, clearance, -1),
+            Guard(EventKind.SECOND_REVERSAL, speed, +1),
+            *fallen,
+        ),
+    )
+
+
+def land(biped: FrontalBiped, q_minus: FloatArray, dq_minus: FloatArray) -> Impact | None:
+    """Reset at impact: rigid impact and relabelling; None for a landing too steep to settle flat.
+
+    A foot that lands at a small angle settles flat at once: the rest of the robot keeps its orientation, so that
+    angle is taken out of the new stance ankle.
+    """
+    rotation = float(biped.swing_foot_rotation(q_minus))
+    if abs(rotation) > FLAT_LANDING:
+        return None
+    landing = impact(biped, q_minus, dq_minus)
+    q_plus = landing.q_plus.copy()
+    q_plus[0] -= rotation
+    return Impact(q_plus, landing.dq_plus, landing.impulse, landing.lift_off)

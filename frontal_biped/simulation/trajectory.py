@@ -1,0 +1,121 @@
+"""A recorded run: what the robot did, sampled in time, and the events of every step."""
+
+import json
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.exceptions import TrajectoryFileError
+from frontal_biped.files import atomic_path
+
+FORMAT, VERSION = "frontal-biped-run", 1
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A simulated walk, time first. Left stance is +1, right stance -1; rising is +1, falling -1.
+
+    Events appear as two samples at one time, before and after.
+
+    Attributes:
+        t: (T,) time [s].
+        q: (T, 4) stance coordinates [rad].
+        dq: (T, 4) [rad/s].
+        u: (T, 4) torques [N m].
+        force: (T, 2) ground reaction F_h, F_v [N].
+        p_fri: (T,) FRI from the stance ankle [m].
+        p_fri_target: (T,) wanted FRI [m].
+        q_b_desired: (T, 3) h_d(beta) [rad].
+        phase: (T,) +1 rising, -1 falling.
+        stance: (T,) +1 left, -1 right.
+        stance_y: (T,) world y of the stance ankle [m].
+        step: (T,) index of the step.
+        event_t: (E,) time of each event [s].
+        event_kind: (E,) its name.
+        event_step: (E,) step it belongs to.
+        event_state: (E, 8) q and dq right after it (after relabelling at an impact).
+        robot: name of the robot.
+        gait: the gait file's content, or {}.
+        settings: of simulator and controller.
+        outcome: "completed", or what made the robot fall.
+        steps_completed: impacts survived.
+    """
+
+    t: FloatArray
+    q: FloatArray
+    dq: FloatArray
+    u: FloatArray
+    force: FloatArray
+    p_fri: FloatArray
+    p_fri_target: FloatArray
+    q_b_desired: FloatArray
+    phase: FloatArray
+    stance: FloatArray
+    stance_y: FloatArray
+    step: FloatArray
+    event_t: FloatArray
+    event_kind: tuple[str, ...]
+    event_step: FloatArray
+    event_state: FloatArray
+    robot: str
+    outcome: str
+    steps_completed: int
+    gait: Mapping[str, Any] = field(default_factory=dict)
+    settings: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def fell(self) -> bool:
+        """Did the robot fall?"""
+        return self.outcome != "completed"
+
+    @property
+    def output_error(self) -> FloatArray:
+        """(T, 3) y = q_b - h_d(beta) [rad]."""
+        return self.q[:, 1:] - self.q_b_desired
+
+    def events(self, kind: str) -> FloatArray:
+        """(k,) indices of the events of one kind."""
+        return np.array([i for i, name in enumerate(self.event_kind) if name == kind], dtype=np.int64)  # type: ignore[return-value]
+
+    def post_impact_states(self) -> FloatArray:
+        """(k, 8) q and dq right after each impact."""
+        return self.event_state[self.events("IMPACT")]
+
+
+_ARRAYS = tuple(f.name for f in fields(Trajectory) if f.type is FloatArray or f.type == "FloatArray")
+_TEXT = ("event_kind", "robot", "outcome", "steps_completed", "gait", "settings")
+
+
+def save_trajectory(trajectory: Trajectory, path: Path | str) -> None:
+    """Write a run file (NPZ, no pickles); it appears whole or not at all."""
+    header = {"format": FORMAT, "version": VERSION, **{key: getattr(trajectory, key) for key in _TEXT}}
+    arrays = {name: getattr(trajectory, name) for name in _ARRAYS}
+    with atomic_path(Path(path)) as temporary, temporary.open("wb") as stream:
+        np.savez_compressed(stream, header=np.array(json.dumps(header)), **arrays)
+
+
+def load_trajectory(path: Path | str) -> Trajectory:
+    """Read a run file.
+
+    Raises:
+        TrajectoryFileError: the file is missing, cut off, or not a run.
+    """
+    remedy = "write one with `frontal-biped simulate GAIT.json -o RUN.npz`"
+    if not Path(path).is_file():
+        raise TrajectoryFileError(f"{path}: no such run file; {remedy}")
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            header = json.loads(str(archive["header"]))
+            if header.get("format") != FORMAT or header.get("version") != VERSION:
+                raise TrajectoryFileError(f"{path}: not a run file of version {VERSION}; {remedy}")
+            arrays = {name: archive[name] for name in _ARRAYS}
+            text = {key: header[key] for key in _TEXT}
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, AttributeError) as error:
+        raise TrajectoryFileError(f"{path}: not a readable run file ({error}); {remedy}") from None
+    text["event_kind"] = tuple(text["event_kind"])
+    return Trajectory(**arrays, **text)
