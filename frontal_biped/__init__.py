@@ -1,1 +1,39 @@
-"""Frontal-plane bipedal zero dynamics."""
+"""Frontal-plane bipedal hybrid zero dynamics on Pinocchio: design, certify, control, simulate and watch gaits.
+
+    import frontal_biped as fb
+
+    robot = fb.load_robot("frontal_biped")
+    result = fb.design_gait(robot, fb.GaitSpecification())
+    print(fb.analyze(robot, result.gait))
+    run = fb.simulate(robot, result.gait, steps=20)
+"""
+
+from frontal_biped.analysis import GaitAnalysis, analyze
+from frontal_biped.design import DesignResult, GaitSpecification, design_gait, read_specification
+from frontal_biped.exceptions import FrontalBipedError
+from frontal_biped.gait import Gait, load_gait, save_gait
+from frontal_biped.model import FrontalBiped, load_robot, robot_names
+from frontal_biped.simulation import Trajectory, load_trajectory, save_trajectory
+from frontal_biped.version import __version__
+from frontal_biped.walking import simulate
+
+__all__ = [
+    "DesignResult",
+    "FrontalBiped",
+    "FrontalBipedError",
+    "Gait",
+    "GaitAnalysis",
+    "GaitSpecification",
+    "Trajectory",
+    "__version__",
+    "analyze",
+    "design_gait",
+    "load_gait",
+    "load_robot",
+    "load_trajectory",
+    "read_specification",
+    "robot_names",
+    "save_gait",
+    "save_trajectory",
+    "simulate",
+]

@@ -148,7 +148,12 @@ def converged_nodes(biped: FrontalBiped, rising: Phase, falling: Phase, step_wid
 # ---------------------------------------------------------------------- file
 def save_gait(gait: Gait, path: Path | str) -> None:
     """Write a gait file (JSON); numbers round-trip exactly, and the file appears whole or not at all."""
-    content = {
+    write_text(Path(path), json.dumps(gait_to_dict(gait), indent=1, allow_nan=False) + "\n")
+
+
+def gait_to_dict(gait: Gait) -> dict[str, Any]:
+    """Content of a gait file."""
+    return {
         "format": FORMAT,
         "version": VERSION,
         "robot": asdict(gait.robot),
@@ -159,7 +164,6 @@ def save_gait(gait: Gait, path: Path | str) -> None:
         "specification": dict(gait.specification),
         "provenance": dict(gait.provenance),
     }
-    write_text(Path(path), json.dumps(content, indent=1, allow_nan=False) + "\n")
 
 
 def load_gait(path: Path | str) -> Gait:

@@ -1,7 +1,6 @@
 """The walking controller: virtual constraints and FRI target through the quadratic program."""
 
 from dataclasses import dataclass, replace
-from enum import Enum
 
 import numpy as np
 
@@ -10,14 +9,7 @@ from frontal_biped.control.walking_qp import DDQ, FORCE, U, ContactLimits, Targe
 from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.quadratic_program import ProxQpSolver, QpSolution
-from frontal_biped.virtual_constraints.phase import Phase
-
-
-class StepPhase(Enum):
-    """Continuous phases of a step ([O] HG1)."""
-
-    RISING = "rising"
-    FALLING = "falling"
+from frontal_biped.virtual_constraints.phase import Phase, StepPhase
 
 
 @dataclass(frozen=True)

@@ -99,6 +99,7 @@ class WalkingQp:
         self._A[:4, U] = np.eye(4)
         self._A[4:, FORCE] = np.eye(2)
         self._b = np.zeros(6)
+        self._T, self._t = np.eye(VARIABLES, 4), np.zeros(VARIABLES)
         C = np.zeros((9, VARIABLES))
         C[0, 8:], C[1, 8:] = (1.0, limits.friction), (-1.0, limits.friction)
         C[2], C[3] = self._moment_row, -self._moment_row
@@ -123,10 +124,8 @@ class WalkingQp:
         M = pin.crba(self._model, self._data, self._q)
         bias = pin.nonLinearEffects(self._model, self._data, self._q, self._dq)
         upper = M[:, BASE:]
-        D = np.triu(upper[BASE:])
-        D += np.triu(D, 1).T
-        self._A[:4, DDQ] = -D
-        self._A[4:, DDQ] = -upper[:2]
+        np.negative(upper[BASE:], out=self._A[:4, DDQ])
+        np.negative(upper[:2], out=self._A[4:, DDQ])
         self._b[:4], self._b[4:] = bias[BASE:], bias[:2]
 
         task, goal = self._task, self._goal
@@ -151,8 +150,9 @@ class WalkingQp:
         Eliminating u and F leaves four equations for ddq, singular exactly where I_P = 0 (C03).
         """
         # x = T ddq + t solves the equalities
-        T = np.concatenate([np.eye(4), -self._A[:, DDQ]])
-        t = np.concatenate([np.zeros(4), self._b])
+        T, t = self._T, self._t
+        np.negative(self._A[:, DDQ], out=T[4:])
+        t[4:] = self._b
         ddq = np.linalg.solve(self._task @ T, self._goal - self._task @ t)
         return np.asarray((T @ ddq + t) / self.scale)
 

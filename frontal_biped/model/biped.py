@@ -102,8 +102,7 @@ class FrontalBiped:
     # ------------------------------------------------------------------ pinned dynamics
     def D(self, q: FloatArray) -> FloatArray:
         """(4, 4) mass matrix [kg m^2]."""
-        D = pin.crba(self.pinned, self._data, q)
-        return np.triu(D) + np.triu(D, 1).T
+        return pin.crba(self.pinned, self._data, q).copy()  # type: ignore[no-any-return]
 
     def C(self, q: FloatArray, dq: FloatArray) -> FloatArray:
         """(4, 4) Coriolis matrix with dD/dt - 2 C skew [kg m^2/s]."""
@@ -132,14 +131,12 @@ class FrontalBiped:
     def momentum_map(self, q: FloatArray) -> FloatArray:
         """(7, 4) matrix taking dq to (m dp_cm_h, m dp_cm_v, sigma_0, joint momenta): columns of the floating mass matrix."""
         self._q[BASE:] = q
-        M = pin.crba(self.floating, self._floating_data, self._q)
-        return (np.triu(M) + np.triu(M, 1).T)[:, BASE:]
+        return pin.crba(self.floating, self._floating_data, self._q)[:, BASE:].copy()  # type: ignore[no-any-return]
 
     def floating_mass_matrix(self, q: FloatArray) -> FloatArray:
         """(7, 7) mass matrix with the stance foot free."""
         self._q[BASE:] = q
-        M = pin.crba(self.floating, self._floating_data, self._q)
-        return np.triu(M) + np.triu(M, 1).T
+        return pin.crba(self.floating, self._floating_data, self._q).copy()  # type: ignore[no-any-return]
 
     def energy(self, q: FloatArray, dq: FloatArray) -> float:
         """Kinetic plus potential energy, the stance foot's constant share included [J]."""

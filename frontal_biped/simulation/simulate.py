@@ -4,7 +4,7 @@ Continuous: the controller is evaluated inside the integrator. Sampled: a zero-o
 robot; joint torques stay constant through an impact until the next tick. Events are located, not stepped over.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Protocol
 
@@ -13,14 +13,30 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.controller import Command, StepPhase
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.stance_map import Stance, relabel
 from frontal_biped.simulation.hybrid_system import EventKind, Guard, land, walking_guards
 from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.virtual_constraints.phase import StepPhase
 
 PHASE_TIME_LIMIT = 5.0  # [s] a phase that lasts longer is not walking
 TIMED_OUT = "a phase lasted longer than 5 s"
+
+
+class Command(Protocol):
+    """What the simulator reads of a command."""
+
+    @property
+    def u(self) -> FloatArray:
+        """(4,) torques [N m]."""
+
+    @property
+    def y(self) -> FloatArray:
+        """(3,) output error q_b - h_d(beta) [rad]."""
+
+    @property
+    def p_fri_target(self) -> float:
+        """Wanted FRI [m]."""
 
 
 class Controller(Protocol):
@@ -58,7 +74,8 @@ def simulate_walk(
     *,
     stance: Stance = Stance.LEFT,
     on_step: Callable[[int], None] | None = None,
-    gait: dict[str, Any] | None = None,
+    gait: Mapping[str, Any] | None = None,
+    controller_settings: Mapping[str, Any] | None = None,
 ) -> Trajectory:
     """Walk from a state right after an impact.
 
@@ -70,7 +87,8 @@ def simulate_walk(
         settings: of the simulator.
         stance: the first stance foot.
         on_step: called with the number of completed steps.
-        gait: kept with the run.
+        gait: content of the gait file, kept with the run.
+        controller_settings: kept with the run.
 
     Returns:
         The run; a fall is an outcome, not an error.
@@ -111,8 +129,8 @@ def simulate_walk(
             if segment.event is not None:
                 recorder.event(t, segment.event, step, state)
             break
-    stored = {**asdict(chosen), "controller": asdict(getattr(controller, "settings", None) or SimulationSettings())}
-    return recorder.finish(biped.name, outcome, step, gait or {}, stored)
+    stored = {**asdict(chosen), "controller": dict(controller_settings or {})}
+    return recorder.finish(biped.name, outcome, step, dict(gait or {}), stored)
 
 
 # ---------------------------------------------------------------------- flows

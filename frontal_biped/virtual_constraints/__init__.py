@@ -8,12 +8,13 @@ from frontal_biped.virtual_constraints.invariance import (
     impact_slope,
     invariance_residuals,
 )
-from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase, constrained_motion, phase_basis
+from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase, StepPhase, constrained_motion, phase_basis
 
 __all__ = [
     "ConstrainedMotion",
     "FreeParameters",
     "Phase",
+    "StepPhase",
     "bernstein",
     "bernstein_derivative",
     "complete",

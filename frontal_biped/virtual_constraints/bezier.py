@@ -20,7 +20,7 @@ def bernstein(degree: int, s: FloatArray | float) -> FloatArray:
     They are polynomials in s: outside [0, 1] the same polynomial goes on, without a break.
     """
     binomials, k = _binomials(degree)
-    s = np.asarray(s, dtype=float)[..., None]
+    s = np.asarray(s)[..., None]
     return binomials * s**k * (1.0 - s) ** (degree - k)
 
 
@@ -34,3 +34,16 @@ def bernstein_derivative(degree: int, s: FloatArray | float, order: int) -> Floa
         factor *= degree - step
         differences = np.diff(differences, axis=0)
     return factor * bernstein(degree - order, s) @ differences
+
+
+def elevate(coefficients: FloatArray, degree: int) -> FloatArray:
+    """(..., degree + 1) coefficients of the same polynomials in the Bernstein basis of a higher degree."""
+    while coefficients.shape[-1] <= degree:
+        n = coefficients.shape[-1]  # the new degree
+        weight = np.arange(n + 1) / n
+        padded = np.zeros((*coefficients.shape[:-1], n + 1))
+        padded[..., :-1] = coefficients
+        shifted = np.zeros_like(padded)
+        shifted[..., 1:] = coefficients
+        coefficients = weight * shifted + (1.0 - weight) * padded
+    return coefficients

@@ -1,12 +1,21 @@
 """One phase of a step, rising or falling: joints and FRI target as Bezier functions of beta."""
 
 from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.virtual_constraints.bezier import bernstein, bernstein_derivative
+from frontal_biped.virtual_constraints.bezier import bernstein, bernstein_derivative, elevate
+
+
+class StepPhase(Enum):
+    """The continuous phases of a step ([O] HG1): dbeta > 0 while rising, dbeta < 0 while falling."""
+
+    RISING = "rising"
+    FALLING = "falling"
 
 
 class ConstrainedMotion(NamedTuple):
@@ -92,26 +101,18 @@ class Phase:
 
     def desired(self, beta: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
         """h_d (3,), dh_d/dbeta (3,), d2h_d/dbeta2 (3,) and the FRI target at one beta: what a control tick needs."""
-        s = (beta - self.beta_start) / self.range
-        M = self.degree
-        slopes = self._slopes
-        return (
-            self.joint_bezier @ bernstein(M, s),
-            slopes[0] @ bernstein(M - 1, s),
-            slopes[1] @ bernstein(M - 2, s),
-            float(self.fri_bezier @ bernstein(self.fri_degree, s)),
-        )
+        values = self._table @ bernstein(self._table.shape[1] - 1, (beta - self.beta_start) / self.range)
+        return values[:3], values[3:6], values[6:9], float(values[9])
 
-    @property
-    def _slopes(self) -> tuple[FloatArray, FloatArray]:
-        cached: tuple[FloatArray, FloatArray] | None = self.__dict__.get("_slopes_cache")
-        if cached is None:
-            M = self.degree
-            first = M * np.diff(self.joint_bezier, axis=1) / self.range
-            second = (M - 1) * np.diff(first, axis=1) / self.range
-            cached = (first, second)
-            object.__setattr__(self, "_slopes_cache", cached)
-        return cached
+    @cached_property
+    def _table(self) -> FloatArray:
+        """(10, n + 1) h_d, h_d', h_d'' and the FRI target in one Bernstein basis: a control tick evaluates it once."""
+        M = self.degree
+        first = M * np.diff(self.joint_bezier, axis=1) / self.range
+        second = (M - 1) * np.diff(first, axis=1) / self.range
+        degree = max(M, self.fri_degree)
+        rows = (self.joint_bezier, first, second, self.fri_bezier[None])
+        return np.concatenate([elevate(row, degree) for row in rows])
 
 
 def constrained_motion(

@@ -1,0 +1,145 @@
+"""Gait, controller and simulator together: walk a gait in the full model, and measure how it takes errors."""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from frontal_biped.control.controller import ControllerSettings, QpController
+from frontal_biped.gait import Gait, gait_to_dict
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.stance_map import Stance
+from frontal_biped.simulation.simulate import SimulationSettings, simulate_walk
+from frontal_biped.simulation.trajectory import Trajectory
+
+
+def simulate(
+    biped: FrontalBiped,
+    gait: Gait,
+    *,
+    steps: int = 20,
+    period: float | None = None,
+    speed_error: float = 0.0,
+    stance: Stance = Stance.LEFT,
+    controller_settings: ControllerSettings | None = None,
+    simulation_settings: SimulationSettings | None = None,
+    on_step: Callable[[int], None] | None = None,
+) -> Trajectory:
+    """Walk a gait in the full model under the QP controller, from its periodic orbit.
+
+    Args:
+        biped: the robot.
+        gait: the gait.
+        steps: impacts after which to stop.
+        period: control period [s], a zero-order hold; None: the controller acts in continuous time.
+        speed_error: relative error of the first post-impact speed, all joints alike, so that the start stays on Z.
+        stance: first stance foot.
+        controller_settings: gains and limits.
+        simulation_settings: tolerances; ``steps`` and ``period`` above take precedence.
+        on_step: called with the number of completed steps.
+
+    Returns:
+        The run; a fall is an outcome, not an error.
+    """
+    base = asdict(simulation_settings or SimulationSettings())
+    settings = SimulationSettings(**{**base, "steps": steps, "period": period})
+    controller = QpController(biped, gait, controller_settings)
+    q, dq = gait.state_after_impact()
+    stored = {**asdict(controller.settings), "speed_error": speed_error}
+    return simulate_walk(
+        biped,
+        controller,
+        q,
+        (1.0 + speed_error) * dq,
+        settings,
+        stance=stance,
+        on_step=on_step,
+        gait=gait_to_dict(gait),
+        controller_settings=stored,
+    )
+
+
+def simulated_multiplier(biped: FrontalBiped, gait: Gait, relative_step: float = 1e-4) -> float:
+    """Slope of the return map of the full model at its fixed point, by a central difference of two simulated steps.
+
+    The post-impact speed is the coordinate; at a fixed point its slope equals that of zeta, which is proportional to
+    its square.
+
+    Args:
+        biped: the robot.
+        gait: the gait.
+        relative_step: of the post-impact speed [-].
+    """
+    speed = []
+    for sign in (+1.0, -1.0):
+        run = simulate(biped, gait, steps=1, speed_error=sign * relative_step)
+        speed.append(run.post_impact_states()[-1, 4] if not run.fell else np.nan)
+    return float((speed[0] - speed[1]) / (2.0 * relative_step * gait.orbit.beta_dot_after_impact))
+
+
+@dataclass(frozen=True)
+class SpeedErrorOutcome:
+    """What an error in the post-impact speed does to a gait with the paper's fixed transition.
+
+    Attributes:
+        speed_error: relative [-].
+        steps_completed: of those asked for.
+        outcome: "completed", or what made the robot fall.
+        reversal_shift: first reversal minus the planned one [rad]; nan without a reversal.
+        worst_output_error: largest |q_b - h_d| [rad].
+        final_speed_error: relative error of the last post-impact speed [-].
+    """
+
+    speed_error: float
+    steps_completed: int
+    outcome: str
+    reversal_shift: float
+    worst_output_error: float
+    final_speed_error: float
+
+    def __str__(self) -> str:
+        after = f"{self.steps_completed} steps" if self.steps_completed != 1 else "1 step"
+        end = f"walks {after}" if self.outcome == "completed" else f"falls after {after}: {self.outcome}"
+        return (
+            f"a {100 * self.speed_error:+.3g} % error in the post-impact speed moves the first reversal by"
+            f" {self.reversal_shift:+.2e} rad and costs {self.worst_output_error:.1e} rad of invariance;"
+            f" the robot {end}, speed error then {100 * self.final_speed_error:+.3g} %"
+        )
+
+
+def speed_error_outcome(
+    biped: FrontalBiped,
+    gait: Gait,
+    speed_error: float,
+    *,
+    steps: int = 10,
+    controller_settings: ControllerSettings | None = None,
+) -> SpeedErrorOutcome:
+    """Start with an error in the post-impact speed, control continuously, and see what becomes of the gait.
+
+    Args:
+        biped: the robot.
+        gait: the gait.
+        speed_error: relative [-].
+        steps: to try.
+        controller_settings: gains and limits.
+    """
+    settings = SimulationSettings(rtol=1e-8, atol=1e-10)
+    run = simulate(
+        biped,
+        gait,
+        steps=steps,
+        speed_error=speed_error,
+        controller_settings=controller_settings,
+        simulation_settings=settings,
+    )
+    reversals = run.events("REVERSAL")
+    shift = run.event_state[reversals[0], 0] - gait.beta_reversal if len(reversals) else float("nan")
+    return SpeedErrorOutcome(
+        speed_error=speed_error,
+        steps_completed=run.steps_completed,
+        outcome=run.outcome,
+        reversal_shift=float(shift),
+        worst_output_error=float(np.max(np.abs(run.output_error))),
+        final_speed_error=float(run.post_impact_states()[-1, 4] / gait.orbit.beta_dot_after_impact - 1.0),
+    )
