@@ -18,7 +18,7 @@ settings.register_profile("physics", max_examples=25, deadline=None, derandomize
 settings.load_profile("physics")
 
 ROBOTS = ("table1", "table1_low_torso", "raised_ankle")
-"""Robots of data/independent_values.json: Table I, its literal torso, and one with raised, laterally offset feet."""
+"""Robots of data/independent_values.json: Table I, its literal torso, one with raised and offset feet."""
 
 _INDEPENDENT = json.loads(
     (Path(__file__).parent / "data" / "independent_values.json").read_text(encoding="utf-8")
@@ -93,8 +93,8 @@ def level_gait(level_design: DesignResult) -> Gait:
 def write_robot(folder: Path, name: str, parameters: Mapping[str, float]) -> Path:
     """Write URDF and description of a biped with the given parameters; returns the description.
 
-    Lateral offsets of a leg's and a foot's centre of mass (leg_lat, fx) are counted towards the other leg. The foot's
-    centre of mass lies fy below the ankle, the torso's ty above the middle of the hip line.
+    Lateral offsets of a leg's and a foot's centre of mass (leg_lat, fx) are counted towards the other leg.
+    The foot's centre of mass lies fy below the ankle, the torso's ty above the middle of the hip line.
     """
     p = parameters
 

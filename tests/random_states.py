@@ -15,7 +15,7 @@ DIFFERENCE_STEP = 1e-5
 """Step of central differences: rounding 1e-16/1e-5 and truncation 1e-10 are about equally small."""
 
 DIFFERENCE_TOLERANCE = 1e-7
-"""Relative accuracy of a central difference with that step, third derivatives up to a thousand times the value."""
+"""Relative accuracy of a central difference with that step, third derivatives up to 1000 times the value."""
 
 
 def vectors(low: float, high: float, size: int = 4) -> st.SearchStrategy[FloatArray]:
@@ -43,7 +43,7 @@ def difference(
 def assert_close(
     actual: npt.ArrayLike, expected: npt.ArrayLike, tolerance: float, floor: float = 0.0
 ) -> None:
-    """Largest difference relative to the largest expected entry (at least ``floor``) is within the tolerance."""
+    """Largest difference is within the tolerance of the largest expected entry (at least ``floor``)."""
     actual, expected = np.asarray(actual, dtype=float), np.asarray(expected, dtype=float)
     assert actual.shape == expected.shape
     size = max(float(np.max(np.abs(expected), initial=0.0)), floor)

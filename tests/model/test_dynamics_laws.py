@@ -40,7 +40,7 @@ def test_mass_matrix_is_twice_the_kinetic_energy(robot, q, dq):
 
 @given(q=angles)
 def test_mass_matrix_does_not_depend_on_the_stance_ankle(robot, q):
-    turned = q + [0.3, 0.0, 0.0, 0.0]
+    turned = q + 0.3 * np.eye(4)[0]
     assert_close(robot.D(turned), robot.D(q), ROUNDING)
 
 
@@ -129,7 +129,7 @@ def test_ankle_torque_of_table_1_is_fri_times_normal_force(biped, q, dq, ddq):
 
 @given(q=angles, dq=rates, ddq=accelerations)
 def test_foot_at_rest_is_in_equilibrium(raised_ankle, independent, q, dq, ddq):
-    """u_1 = p_FRI F_v + h_a F_h - m_f g c_f with a foot whose centre of mass lies 0.01 m towards the other foot."""
+    """u_1 = p_FRI F_v + h_a F_h - m_f g c_f the foot's centre of mass c_f towards the other foot."""
     p = independent["raised_ankle"]["parameters"]
     F_h, _, N_0, u_1, *_ = raised_ankle.inverse_dynamics(q, dq, ddq)
     expected = N_0 + p["ha"] * F_h - p["mf"] * p["g"] * p["fx"]

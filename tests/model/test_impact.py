@@ -49,7 +49,7 @@ def test_against_a_dense_solution(robot, q, dq):
 
 @given(q=angles, dq=rates)
 def test_landing_foot_is_at_rest_afterwards(robot, q, dq):
-    """The base velocity follows from the lift-off speeds of the old stance sole; the landing foot must then not move."""
+    """Lift-off speeds give the velocity of the old stance foot; the landing foot must then not move."""
     landing = impact(robot, q, dq)
     outer, inner = robot.sole
     turning = (landing.lift_off[0] - landing.lift_off[1]) / (inner - outer)
@@ -61,7 +61,7 @@ def test_landing_foot_is_at_rest_afterwards(robot, q, dq):
 
 @given(pose=flat_poses, dq=rates)
 def test_impulse_balances_the_momentum(robot, pose, dq):
-    """Linear momentum and angular momentum about the landing point, before with the old foot held, after with the new."""
+    """Linear momentum and angular momentum about the landing point, old foot held before, new foot after."""
     q = double_support_pose(robot, *pose)
     landing = impact(robot, q, dq)
     before, after = (robot.momentum_map(p)[:3] @ v for p, v in ((q, dq), (landing.q_plus, landing.dq_plus)))
@@ -74,7 +74,7 @@ def test_impulse_balances_the_momentum(robot, pose, dq):
 
 @given(pose=flat_poses, dq=rates)
 def test_angular_momentum_about_the_landing_ankle_is_conserved(robot, pose, dq):
-    """The ankle passes on no sudden moment: all of the robot but the landing foot keeps its momentum about it."""
+    """The ankle passes on no sudden moment: all but the landing foot keeps its momentum about it."""
     q = double_support_pose(robot, *pose)
     landing = impact(robot, q, dq)
     ankle_height, foot = robot.ankle_height, robot.chain.bodies[4]

@@ -10,7 +10,7 @@ INDEPENDENT_TOLERANCE = 1e-9
 """Relative to the largest entry; both sides carry about 1e-13 of rounding."""
 
 TINY = 1e-3
-"""Quantities are compared on their own scale down to this; some entries of the file are zero (u_4 of a weightless foot)."""
+"""Quantities are compared on their own scale down to this; some entries of the file are zero."""
 
 
 @pytest.mark.parametrize("index", range(8))

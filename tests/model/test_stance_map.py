@@ -1,4 +1,4 @@
-"""Stance coordinates against URDF coordinates, and the planar models against the 3D model they were reduced from."""
+"""Stance against URDF coordinates, and the planar models against the 3D model they were reduced from."""
 
 import numpy as np
 import pinocchio as pin
@@ -88,7 +88,7 @@ def test_pinned_gravity_and_energy_are_the_3d_ones(robot, stance, q, dq):
 @stances
 @given(q=angles)
 def test_joint_positions_are_those_of_the_3d_model(robot, stance, q):
-    full, ankle = configuration_3d(robot, q, stance)
+    full, _ = configuration_3d(robot, q, stance)
     model, data = robot.spatial_model, robot.spatial_model.createData()
     pin.forwardKinematics(model, data, full)
     names = robot.stance_map.joint_names if stance is Stance.LEFT else robot.stance_map.joint_names[::-1]
@@ -164,9 +164,9 @@ def test_zero_urdf_configuration_is_upright(biped, stance):
 
 @stances
 def test_rising_leans_away_from_the_swing_foot(robot, stance):
-    """dbeta > 0 with the other joints fixed moves everything away from the swing foot, in the plane and in space."""
+    """dbeta > 0, other joints fixed, moves everything away from the swing foot, in the plane and in space."""
     upright = np.full(4, UPRIGHT)
-    leaning = upright + [0.05, 0.0, 0.0, 0.0]
+    leaning = upright + 0.05 * np.eye(4)[0]
     assert robot.com(leaning)[0] < robot.com(upright)[0]
     heights = robot.swing_sole(leaning)[:, 1]
     assert np.all(heights > robot.swing_sole(upright)[:, 1])  # and lifts the swing foot
@@ -183,7 +183,7 @@ def test_rising_leans_away_from_the_swing_foot(robot, stance):
 
 def test_a_raised_pelvis_side_follows_the_right_hand_rule(biped):
     """Positive pelvis roll is counter-clockwise in (h, v): the swing hip rises."""
-    q = np.full(4, UPRIGHT) + [0.0, 0.1, 0.0, 0.0]
+    q = np.full(4, UPRIGHT) + 0.1 * np.eye(4)[1]
     positions = biped.joint_positions(q)
     assert float(biped.pelvis_roll(q)) == pytest.approx(0.1)
     assert positions[2, 1] > positions[1, 1]
@@ -191,7 +191,7 @@ def test_a_raised_pelvis_side_follows_the_right_hand_rule(biped):
 
 @stances
 def test_opposite_axes_in_the_urdf_change_only_the_map(biped, model_files, stance):
-    """A URDF whose left hip and right ankle turn about -X is the same robot with these joint signs reversed."""
+    """A URDF whose left hip and right ankle turn about -X is the same robot, these joint signs reversed."""
     urdf, description = model_files
     text = urdf.read_text()
     for joint in ("left_hip", "right_ankle"):
@@ -215,7 +215,8 @@ def test_locked_joints_enter_the_inertia(biped, model_files):
         '<link name="arm"><inertial><origin xyz="0 0 -0.3"/><mass value="4"/>'
         '<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
         '<joint name="shoulder" type="revolute"><parent link="pelvis"/><child link="arm"/>'
-        '<origin xyz="0 0 0.4"/><axis xyz="0 1 0"/><limit lower="-3.2" upper="3.2" effort="1" velocity="1"/></joint>'
+        '<origin xyz="0 0 0.4"/><axis xyz="0 1 0"/>'
+        '<limit lower="-3.2" upper="3.2" effort="1" velocity="1"/></joint>'
     )
     urdf.write_text(urdf.read_text().replace("</robot>", arm + "</robot>"))
     upright = np.full(4, UPRIGHT)
