@@ -92,7 +92,8 @@ def test_urdf_breaks_a_hypothesis(model_files, case):
 BROKEN_DESCRIPTION = {
     "hips exchanged": (
         "HR1",
-        [('left_hip = "left_hip"', 'left_hip = "right_hip"'), ('\nright_hip = "right_hip"', '\nright_hip = "left_hip"')],
+        [('left_hip = "left_hip"', 'left_hip = "right_hip"'),
+         ('\nright_hip = "right_hip"', '\nright_hip = "left_hip"')],
         "hip",
     ),
     "sides exchanged": (
