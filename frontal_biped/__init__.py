@@ -6,16 +6,23 @@
     result = fb.design_gait(robot, fb.GaitSpecification())
     print(fb.analyze(robot, result.gait))
     run = fb.simulate(robot, result.gait, steps=20)
+
+Names are imported when first used, so that `frontal-biped --help` does not wait for Pinocchio.
 """
 
-from frontal_biped.analysis import GaitAnalysis, analyze
-from frontal_biped.design import DesignResult, GaitSpecification, design_gait, read_specification
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from frontal_biped.exceptions import FrontalBipedError
-from frontal_biped.gait import Gait, load_gait, save_gait
-from frontal_biped.model import FrontalBiped, load_robot, robot_names
-from frontal_biped.simulation import Trajectory, load_trajectory, save_trajectory
 from frontal_biped.version import __version__
-from frontal_biped.walking import simulate
+
+if TYPE_CHECKING:
+    from frontal_biped.analysis import GaitAnalysis, analyze
+    from frontal_biped.design import DesignResult, GaitSpecification, design_gait, read_specification
+    from frontal_biped.gait import Gait, load_gait, save_gait
+    from frontal_biped.model import FrontalBiped, load_robot, robot_names
+    from frontal_biped.simulation import Trajectory, load_trajectory, save_trajectory
+    from frontal_biped.walking import simulate
 
 __all__ = [
     "DesignResult",
@@ -37,3 +44,32 @@ __all__ = [
     "save_trajectory",
     "simulate",
 ]
+
+_HOME = {
+    "DesignResult": "design",
+    "FrontalBiped": "model",
+    "Gait": "gait",
+    "GaitAnalysis": "analysis",
+    "GaitSpecification": "design",
+    "Trajectory": "simulation",
+    "analyze": "analysis",
+    "design_gait": "design",
+    "load_gait": "gait",
+    "load_robot": "model",
+    "load_trajectory": "simulation",
+    "read_specification": "design",
+    "robot_names": "model",
+    "save_gait": "gait",
+    "save_trajectory": "simulation",
+    "simulate": "walking",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -99,12 +99,18 @@ class GaitAnalysis:
             ("dbeta after impact", f"{self.speed_after_impact:.6f} rad/s"),
             ("zeta_f*", f"{self.fixed_point:.4f} kg^2 m^4/s^2"),
             ("delta_r, delta_f, delta_z", f"{self.delta_r:.6f}, {self.delta_f:.6f}, {self.delta_z:.6f}"),
-            ("multiplier", f"{self.multiplier:.6f} (stable)" if 0.0 < self.multiplier < 1.0 else f"{self.multiplier:.6f}"),
+            (
+                "multiplier",
+                f"{self.multiplier:.6f} (stable)" if 0.0 < self.multiplier < 1.0 else f"{self.multiplier:.6f}",
+            ),
             ("reversal", f"{r.beta:.9f} rad, planned {r.planned:.9f}, in ]{r.bracket[0]:.4f}, {r.bracket[1]:.4f}["),
             ("existence", f"Z changes sign between {r.sign_change[0]:.6f} and {r.sign_change[1]:.6f} rad"),
             ("HIP1, HIP2", f"zeta {r.zeta_residual:.1e} (relative), ddbeta {r.acceleration:.4f} rad/s^2"),
             ("quadrature", f"{self.nodes} nodes a phase, measured error {self.quadrature_error:.1e}"),
-            ("largest residual", f"{max(self.residuals.values()):.1e} ({max(self.residuals, key=lambda k: self.residuals[k])})"),
+            (
+                "largest residual",
+                f"{max(self.residuals.values()):.1e} ({max(self.residuals, key=lambda k: self.residuals[k])})",
+            ),
         ]
         return "\n".join(f"{name:26} {value}" for name, value in rows) + "\n\n" + str(self.constraints)
 

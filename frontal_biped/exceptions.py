@@ -33,6 +33,10 @@ class TrajectoryFileError(FrontalBipedError):
     """A run file that cannot be read, or is not a recorded run."""
 
 
+class DesignFailedError(FrontalBipedError):
+    """A gait is needed to go on, and none was found; the message says what stands in the way."""
+
+
 class UnreachablePoseError(FrontalBipedError):
     """No pose puts both feet flat on the ground at the asked distance."""
 

@@ -117,13 +117,11 @@ class Gait:
 def orbit_numbers(biped: FrontalBiped, step: StepOrbit) -> OrbitNumbers:
     """The periodic orbit of a step in five numbers."""
     hzd = HybridZeroDynamics(biped, step)
-    return OrbitNumbers(
-        hzd.speed_after_impact, hzd.fixed_point, float(step.duration), float(step.cost), hzd.multiplier
-    )
+    return OrbitNumbers(hzd.speed_after_impact, hzd.fixed_point, float(step.duration), float(step.cost), hzd.multiplier)
 
 
 def quadrature_error(biped: FrontalBiped, rising: Phase, falling: Phase, step_width: float, nodes: int) -> float:
-    """Largest relative change of zeta at impact and reversal energy, duration and cost from ``nodes`` to twice as many."""
+    """Largest relative change of zeta at both ends, duration, cost and multiplier from ``nodes`` to twice as many."""
 
     def figures(size: int) -> FloatArray:
         step = step_orbit(biped, rising, falling, step_width, size)
@@ -173,12 +171,23 @@ def load_gait(path: Path | str) -> Gait:
         GaitFileError: the file is missing, not JSON, of another format or version, or a field is absent, unknown, of
             the wrong type or shape, or not finite. The message names file, field, value and remedy.
     """
-    where = str(path)
-    table = _load_json(Path(path))
+    return gait_from_dict(_load_json(Path(path)), str(path))
+
+
+def gait_from_dict(table: Any, where: str) -> Gait:
+    """Gait from the content of a gait file; ``where`` begins every complaint.
+
+    Raises:
+        GaitFileError: as `load_gait`.
+    """
     if not isinstance(table, dict) or table.get("format") != FORMAT:
-        raise GaitFileError(f'{where}: not a gait file, "format" is not {FORMAT!r}; write one with `frontal-biped design`')
+        raise GaitFileError(
+            f'{where}: not a gait file, "format" is not {FORMAT!r}; write one with `frontal-biped design`'
+        )
     if table.get("version") != VERSION:
-        raise GaitFileError(f'{where}: "version" is {table.get("version")!r}, this program reads {VERSION}; design it again')
+        raise GaitFileError(
+            f'{where}: "version" is {table.get("version")!r}, this program reads {VERSION}; design it again'
+        )
     reader = _Reader(where)
     known = ("format", "version", "robot", "rising", "falling", "step_width", "orbit", "specification", "provenance")
     reader.no_others("", table, known)
@@ -216,7 +225,9 @@ def _load_json(path: Path) -> Any:
     try:
         return json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
-        raise GaitFileError(f"{path}: no such gait file; write one with `frontal-biped design -o {path.name}`") from None
+        raise GaitFileError(
+            f"{path}: no such gait file; write one with `frontal-biped design -o {path.name}`"
+        ) from None
     except IsADirectoryError:
         raise GaitFileError(f"{path}: a directory; name the gait file in it") from None
     except (json.JSONDecodeError, UnicodeDecodeError, RecursionError) as error:

@@ -42,7 +42,7 @@ class Landing(NamedTuple):
     @property
     def speed_ratio(self) -> float:
         """dbeta_r+ / dbeta_f- [-], negative."""
-        return self.dq_plus[0]  # type: ignore[no-any-return]
+        return self.dq_plus[0]
 
 
 def landing_on_constraints(biped: FrontalBiped, q_minus: FloatArray, dq_dbeta_minus: FloatArray) -> Landing:
@@ -85,15 +85,13 @@ class StepOrbit(NamedTuple):
         """
         decay = np.exp(self.falling.log_delta_squared[-1] - self.rising.log_delta_squared[-1])
         jump = self.landing.speed_ratio * self.rising.restricted.I_P[-1] / self.falling.restricted.I_P[-1]
-        return decay * jump**2  # type: ignore[no-any-return]
+        return decay * jump**2
 
     @property
     def periodicity(self) -> float:
         """dbeta_r+^2 - (speed ratio dbeta_f-)^2 [rad^2/s^2]: zero on a periodic orbit, where Z(beta_r-) = 0."""
         before = self.landing.speed_ratio / self.falling.restricted.I_P[-1]
-        return 2.0 * (  # type: ignore[return-value]
-            self.rising.z[-1] / self.rising.restricted.I_P[-1] ** 2 - self.falling.z[-1] * before**2
-        )
+        return 2.0 * (self.rising.z[-1] / self.rising.restricted.I_P[-1] ** 2 - self.falling.z[-1] * before**2)
 
 
 def step_orbit(
@@ -195,7 +193,7 @@ class HybridZeroDynamics:
 
     @property
     def in_domain(self) -> bool:
-        """Is the fixed point in the domain of rho: positive, zeta >= 0 throughout both phases, ddbeta < 0 at reversal?"""
+        """Is the fixed point in the domain of rho: positive, zeta >= 0 in both phases, ddbeta < 0 at the reversal?"""
         exists = bool(np.all(self.step.rising.z > 0.0) and np.all(self.step.falling.z > 0.0))
         return exists and self.fixed_point > 0.0 and bool(self.step.rising.ddbeta[0] < 0.0)
 

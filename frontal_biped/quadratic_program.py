@@ -74,10 +74,14 @@ class ProxQpSolver:
     Args:
         accuracy: absolute tolerance on residuals.
         max_iterations: of the outer loop; ProxQP is slow to give up on an infeasible problem.
+        retry: set up afresh and try once more when the accuracy is not reached?
     """
 
-    def __init__(self, accuracy: float = DEFAULT_ACCURACY, max_iterations: int = DEFAULT_MAX_ITERATIONS) -> None:
+    def __init__(
+        self, accuracy: float = DEFAULT_ACCURACY, max_iterations: int = DEFAULT_MAX_ITERATIONS, retry: bool = True
+    ) -> None:
         self.accuracy = accuracy
+        self.retry = retry
         self.max_iterations = max_iterations
         self._solver: Any = None
         self._shape: tuple[int, int, int] | None = None
@@ -105,7 +109,7 @@ class ProxQpSolver:
         else:
             solver.settings.initial_guess = proxqp.InitialGuess.WARM_START
             solver.solve(guess, np.zeros(shape[1]), np.zeros(shape[2]))
-        if solver.results.info.status != proxqp.PROXQP_SOLVED:
+        if self.retry and solver.results.info.status != proxqp.PROXQP_SOLVED:
             solver = self._set_up(qp, shape)
             solver.solve()
         results = solver.results

@@ -127,9 +127,7 @@ def analyse_reversal(
     values = np.array([Z(beta) for beta in grid])
     defined = np.isfinite(values)
     defined_to = float(grid[defined][-1]) if np.any(defined) else float("nan")
-    changes = [
-        i for i in range(len(grid) - 1) if defined[i] and defined[i + 1] and values[i] >= 0.0 > values[i + 1]
-    ]
+    changes = [i for i in range(len(grid) - 1) if defined[i] and defined[i + 1] and values[i] >= 0.0 > values[i + 1]]
     if not changes:
         nan = float("nan")
         return ReversalAnalysis((low, high), defined_to, False, nan, planned, (nan, nan), nan, nan, nan)

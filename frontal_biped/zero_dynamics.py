@@ -20,7 +20,7 @@ kappa_3 is what remains of the moving FRI: d(sigma_P)/dt = moment - dp/dt m dp_c
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 from scipy.interpolate import BarycentricInterpolator
@@ -190,13 +190,13 @@ class PhaseOrbit:
     @property
     def duration(self) -> float:
         """Time between the reversal and the impact [s]."""
-        return self.weights @ self.time_density  # type: ignore[no-any-return]
+        return cast("float", self.weights @ self.time_density)
 
     @property
     def squared_torque(self) -> float:
-        """int u'u dt over the phase [N^2 m^2 s]."""
+        """Int u'u dt over the phase [N^2 m^2 s]."""
         u = self.generalized_forces[TORQUES]
-        return self.weights @ ((u**2).sum(axis=0) * self.time_density)  # type: ignore[no-any-return]
+        return self.weights @ ((u**2).sum(axis=0) * self.time_density)
 
 
 def integrate_from_reversal(

@@ -2,10 +2,8 @@
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.walking_qp import DDQ, FORCE, U, ContactLimits, Targets, WalkingQp
+from frontal_biped.control.walking_qp import DDQ, FORCE, ContactLimits, Targets, U, WalkingQp
 from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.quadratic_program import ProxQpSolver, QpSolution
@@ -116,5 +114,3 @@ class QpController:
     def phase(self, phase: StepPhase) -> Phase:
         """Virtual constraints of a phase."""
         return self.gait.rising if phase is StepPhase.RISING else self.gait.falling
-
-

@@ -11,6 +11,8 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.poincare import StepOrbit
 from frontal_biped.zero_dynamics import F_H, F_V, TORQUES
 
+STEP_WIDTH = "step width"
+
 
 @dataclass(frozen=True)
 class Constraint:
@@ -36,13 +38,19 @@ class Constraint:
     scale: float
     strict: bool = False
 
-    def margins(self) -> list[FloatArray]:
-        """Arrays that must be >= 0, in units of ``scale``."""
+    def margins(self, distance: float = 0.0) -> list[FloatArray]:
+        """Arrays that must be >= 0, in units of ``scale``.
+
+        Args:
+            distance: to keep from the bounds, in units of ``scale``; at most a quarter of the room between them.
+        """
+        if self.lower is not None and self.upper is not None:
+            distance = min(distance, 0.25 * (self.upper - self.lower) / self.scale)
         parts = []
         if self.lower is not None:
-            parts.append((self.values - self.lower) / self.scale)
+            parts.append((self.values - self.lower) / self.scale - distance)
         if self.upper is not None:
-            parts.append((self.upper - self.values) / self.scale)
+            parts.append((self.upper - self.values) / self.scale - distance)
         return parts
 
 
@@ -77,10 +85,14 @@ def step_constraints(
     speed_before, speed_after = falling.dbeta[-1], rising.dbeta[-1]
     constraints = [
         Constraint("C01", "multiplier delta_f^2 delta_r^2 delta_z^2", "-", _one(step.multiplier), 0.0, 1.0, 0.1, True),
-        Constraint("C01", "zeta_f* at the impact, about the FRI", "kg^2 m^4/s^2", _one(falling.z[-1]), 0.0, None, 10.0, True),
+        Constraint(
+            "C01", "zeta_f* at the impact, about the FRI", "kg^2 m^4/s^2", _one(falling.z[-1]), 0.0, None, 10.0, True
+        ),
         Constraint("C02", "range of beta, rising", "rad", _one(rising.Delta), spec.min_phase_range, None, 0.02),
         Constraint("C02", "range of beta, falling", "rad", _one(falling.Delta), spec.min_phase_range, None, 0.02),
-        Constraint("C02", "kappa_2 at the reversal (HIP2)", "N m", rising.restricted.kappa_2[:1], None, 0.0, 10.0, True),
+        Constraint(
+            "C02", "kappa_2 at the reversal (HIP2)", "N m", rising.restricted.kappa_2[:1], None, 0.0, 10.0, True
+        ),
     ]
     both = (("rising", rising, soles.rising), ("falling", falling, soles.falling))
     for name, orbit, _ in both:
@@ -93,7 +105,13 @@ def step_constraints(
         )
     constraints.append(
         Constraint(
-            "C04", "touchdown speed of both sole ends", "m/s", -landing.touchdown * speed_before, spec.touchdown_speed, None, 0.05
+            "C04",
+            "touchdown speed of both sole ends",
+            "m/s",
+            -landing.touchdown * speed_before,
+            spec.touchdown_speed,
+            None,
+            0.05,
         )
     )
     for name, orbit, height in both:
@@ -121,7 +139,13 @@ def step_constraints(
             roll = biped.pelvis_roll(orbit.motion.q)
             constraints.append(
                 Constraint(
-                    "max_pelvis_roll", f"pelvis roll, {name}", "rad", roll, -spec.max_pelvis_roll, spec.max_pelvis_roll, 0.05
+                    "max_pelvis_roll",
+                    f"pelvis roll, {name}",
+                    "rad",
+                    roll,
+                    -spec.max_pelvis_roll,
+                    spec.max_pelvis_roll,
+                    0.05,
                 )
             )
     impulse = landing.impulse * speed_before
@@ -129,9 +153,7 @@ def step_constraints(
         Constraint("C07", "normal impulse / m", "m/s", impulse[1:2] / biped.mass, 0.0, None, 0.1, True),
         Constraint("C07", "L_h / L_v", "-", impulse[:1] / impulse[1:2], -spec.friction, spec.friction, 0.1),
         # the landing foot is mirrored: its inner end points towards -h
-        Constraint(
-            "C07", "impulse in the sole", "m", impulse[2:] / impulse[1:2], -biped.sole[1], -biped.sole[0], 0.02
-        ),
+        Constraint("C07", "impulse in the sole", "m", impulse[2:] / impulse[1:2], -biped.sole[1], -biped.sole[0], 0.02),
         Constraint(
             "C08",
             "lift-off speed of the old stance sole",
@@ -141,11 +163,13 @@ def step_constraints(
             None,
             0.05,
         ),
-        Constraint("C09", "step duration", "s", _one(step.duration if duration is None else duration), *spec.step_duration, 0.1),
-        Constraint("C09", "step width", "m", _one(step.step_width), *spec.step_width, 0.1),
+        Constraint(
+            "C09", "step duration", "s", _one(step.duration if duration is None else duration), *spec.step_duration, 0.1
+        ),
+        Constraint("C09", STEP_WIDTH, "m", _one(step.step_width), *spec.step_width, 0.1),
     ]
     return sorted(constraints, key=lambda constraint: constraint.code)
 
 
 def _one(scalar: FloatArray | float) -> FloatArray:
-    return np.stack([scalar])  # type: ignore[list-item]
+    return np.stack([scalar])

@@ -29,7 +29,7 @@ class DifferentiableBiped:
     def project_dynamics(self, motion: ConstrainedMotion) -> ProjectedDynamics:
         """`zero_dynamics.project_dynamics` for a `Dual` motion; each part (7, n)."""
         q, dq, ddq = motion.q, motion.dq, motion.ddq
-        assert isinstance(q, Dual) and isinstance(dq, Dual) and isinstance(ddq, Dual)  # noqa: S101
+        assert isinstance(q, Dual) and isinstance(dq, Dual) and isinstance(ddq, Dual)
         n = len(q)
         width = BASE + 4
         A, B, G = np.empty((n, width)), np.empty((n, width)), np.empty((n, width))
@@ -61,7 +61,7 @@ class DifferentiableBiped:
     def swing_sole_heights(self, motion: ConstrainedMotion) -> Dual:
         """(2, n) heights of the swing sole's inner and outer end [m]."""
         q = motion.q
-        assert isinstance(q, Dual)  # noqa: S101
+        assert isinstance(q, Dual)
         values = np.array([self.biped.swing_sole(point)[:, 1] for point in q.value])
         jacobians = np.array([self.biped.swing_sole_jacobian(point)[:, 1] for point in q.value])
         return _rows(values, jacobians @ q.derivative)

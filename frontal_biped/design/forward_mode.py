@@ -29,10 +29,12 @@ class Dual:
     # ------------------------------------------------------------------ shape
     @property
     def shape(self) -> tuple[int, ...]:
+        """Shape of the values."""
         return self.value.shape
 
     @property
     def ndim(self) -> int:
+        """Number of axes of the values."""
         return self.value.ndim
 
     def __len__(self) -> int:
@@ -48,10 +50,12 @@ class Dual:
 
     @property
     def T(self) -> "Dual":
+        """Transpose."""
         axes = (*reversed(range(self.ndim)), self.ndim)
         return Dual(self.value.T, self.derivative.transpose(axes))
 
     def sum(self, axis: int) -> "Dual":
+        """Sum over an axis, counted from the front."""
         return Dual(self.value.sum(axis=axis), self.derivative.sum(axis=axis))
 
     # ------------------------------------------------------------------ dispatch from NumPy

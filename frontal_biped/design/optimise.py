@@ -1,10 +1,8 @@
 """Design a gait: optimise, check on a dense grid, tighten where the grid disagrees, polish, certify."""
 
-import platform
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import numpy as np
@@ -12,19 +10,20 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.constraints import Constraint
 from frontal_biped.design.problem import DesignProblem
-from frontal_biped.design.report import ConstraintReport, check_constraints, dense_constraints
+from frontal_biped.design.report import ROUNDING, ConstraintReport, check_constraints, dense_constraints
 from frontal_biped.design.specification import GaitSpecification
 from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, minimise
 from frontal_biped.gait import Gait, RobotReference, converged_nodes, orbit_numbers
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.poincare import step_orbit
-from frontal_biped.version import __version__
+from frontal_biped.provenance import software_versions
 from frontal_biped.virtual_constraints.invariance import complete
 
 OPTIMISER_NODES = 16
 """Quadrature nodes a phase in the optimiser: about 1e-7 in J; the result is integrated again until 1e-11."""
 
 TIGHTENING_ROUNDS = 4
+NEWTON_STEPS = 6  # on the periodicity equation; quadratic, from about 1e-8
 SAFETY = 1e-7  # every scaled constraint keeps this distance in the optimiser, against its own tolerance
 RESIDUAL_TOLERANCE = 1e-9
 
@@ -107,14 +106,16 @@ def _close_orbit(problem: DesignProblem, x: FloatArray) -> FloatArray:
     rising, falling = complete(problem.biped, problem.unpack(x))
     nodes = converged_nodes(problem.biped, rising, falling, float(x[2]))
     fine = DesignProblem(problem.biped, problem.specification, nodes)
-    scale = problem.scale()
-    for _ in range(4):
+    low, high = problem.bounds()
+    # variables on their bounds stay there
+    scale = np.where((x > low) & (x < high), problem.scale(), 0.0)
+    for _ in range(NEWTON_STEPS):
         point = fine.evaluate(x)
         row = point.equality_jacobian[0] * scale
-        x = x - scale * row * (point.equality[0] / (row @ row))
+        x = np.clip(x - scale * row * (point.equality[0] / (row @ row)), low, high)
         if abs(point.equality[0]) < 1e-14:
             break
-    return np.clip(x, *problem.bounds())
+    return x
 
 
 def _dense_shortfall(
@@ -127,7 +128,7 @@ def _dense_shortfall(
     shortfall = {}
     for constraint in dense_constraints(biped, spec, rising, falling, step):
         worst = _least_margin(constraint)
-        if worst < 0.0:
+        if worst < -ROUNDING:
             shortfall[constraint.code, constraint.name] = -worst
     return shortfall
 
@@ -173,21 +174,11 @@ def _conclude(
 
 def _explain(report: ConstraintReport, result: SqpResult) -> str:
     if not report.violated:
-        return f"no periodic orbit found: {result.message}, violation {result.violation:.2g}; widen step_duration or step_width"
+        violation = f"{result.message}, violation {result.violation:.2g}"
+        return f"no periodic orbit found: {violation}; widen step_duration or step_width"
     worst = [
         f"{check.code} {check.name}: {check.value:.4g} {check.unit}, bound {check.bound:.4g}"
         for check in report.violated[:4]
     ]
     more = f" and {len(report.violated) - 4} more" if len(report.violated) > 4 else ""
     return f"the specification could not be met, nearest point violates {'; '.join(worst)}{more}; relax one of these"
-
-
-def software_versions() -> dict[str, str]:
-    """Versions of everything a gait depends on."""
-    versions = {"frontal-biped": __version__, "python": platform.python_version()}
-    for package in ("pin", "numpy", "scipy", "proxsuite"):
-        try:
-            versions[package] = version(package)
-        except PackageNotFoundError:
-            versions[package] = "unknown"
-    return versions

@@ -12,7 +12,7 @@ from typing import cast
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.constraints import SoleHeights, step_constraints
+from frontal_biped.design.constraints import STEP_WIDTH, SoleHeights, step_constraints
 from frontal_biped.design.derivatives import DifferentiableBiped
 from frontal_biped.design.forward_mode import Dual, independent
 from frontal_biped.design.specification import GaitSpecification
@@ -127,7 +127,7 @@ class DesignProblem:
         width = float(np.clip(min(0.5 * (low + high), 1.5 * biped.hip_width), low, high))
         beta_impact = _symmetric_stance(biped, width)
         final = double_support_pose(biped, beta_impact, width)
-        lean = max(0.03, 1.2 * spec.min_phase_range)
+        lean = min(max(0.03, 1.2 * spec.min_phase_range), 0.1)
         reversal = final[::-1].copy()
         reversal[0] += lean
         beta_reversal = float(reversal[0])
@@ -173,8 +173,10 @@ class DesignProblem:
         )
         parts: list[Dual] = []
         for constraint in step_constraints(self.biped, self.specification, lifted, soles):
+            if constraint.name == STEP_WIDTH:
+                continue  # a variable, bounded as such
             distance = self.tighten_by + self._tightened.get((constraint.code, constraint.name), 0.0)
-            parts += [cast("Dual", margin - distance) for margin in constraint.margins()]
+            parts += cast("list[Dual]", constraint.margins(distance))
         for orbit in (step.rising, step.falling):  # the orbit itself must exist, whatever the floor says
             parts.append(cast("Dual", (orbit.z - FLOOR_Z) / 10.0))
         cost, defect = cast("Dual", lifted.cost), cast("Dual", step.periodicity)

@@ -19,6 +19,9 @@ DENSE_POINTS = 641
 FLAT_TOLERANCE = 1e-9
 """Height [m] at which a sole end counts as on the ground at impact (C04)."""
 
+ROUNDING = 1e-9
+"""Scaled violation that counts as rounding; needed where a bound is met exactly, as by step_width = [0.3, 0.3]."""
+
 
 @dataclass(frozen=True)
 class ConstraintCheck:
@@ -31,7 +34,7 @@ class ConstraintCheck:
         value: at the worst point.
         bound: the nearer bound.
         margin: distance to it, positive inside.
-        satisfied: margin >= 0, or > 0 where the bound itself is excluded.
+        satisfied: margin >= 0 but for rounding, or > 0 where the bound itself is excluded.
     """
 
     code: str
@@ -104,7 +107,13 @@ def check_constraints(
     ends = biped.swing_sole(step.falling.motion.q[-1])[:, 1]
     flat = float(np.max(np.abs(ends)))
     on_ground = ConstraintCheck(
-        "C04", "both sole ends on the ground at impact", "m", flat, FLAT_TOLERANCE, FLAT_TOLERANCE - flat, flat <= FLAT_TOLERANCE
+        "C04",
+        "both sole ends on the ground at impact",
+        "m",
+        flat,
+        FLAT_TOLERANCE,
+        FLAT_TOLERANCE - flat,
+        flat <= FLAT_TOLERANCE,
     )
     first_c04 = next(i for i, check in enumerate(checks) if check.code == "C04")
     checks.insert(first_c04, on_ground)
@@ -142,5 +151,6 @@ def _worst(constraint: Constraint) -> ConstraintCheck:
             worst = int(np.argmin(np.where(np.isnan(margins), -np.inf, margins)))
             candidates.append((float(margins[worst]), float(values[worst]), float(bound)))
     margin, value, bound = min(candidates, key=lambda row: -np.inf if np.isnan(row[0]) else row[0])
-    satisfied = margin > 0.0 if constraint.strict else margin >= 0.0
+    rounding = ROUNDING * constraint.scale
+    satisfied = margin > 0.0 if constraint.strict else margin >= -rounding
     return ConstraintCheck(constraint.code, constraint.name, constraint.unit, value, bound, margin, bool(satisfied))

@@ -61,12 +61,16 @@ class GaitSpecification:
         for key in ("step_duration", "step_width"):
             low_high = _tuple(key, getattr(self, key), 2)
             if not 0.0 < low_high[0] <= low_high[1]:
-                raise SpecificationError(f"{key} = {list(low_high)} is not a range; write [smallest, largest], both positive")
+                raise SpecificationError(
+                    f"{key} = {list(low_high)} is not a range; write [smallest, largest], both positive"
+                )
             object.__setattr__(self, key, low_high)
         if self.max_pelvis_roll is not None:
             roll = finite_number("max_pelvis_roll", self.max_pelvis_roll, SpecificationError)
             if not 0.0 < roll <= 0.5 * np.pi:
-                raise SpecificationError(f"max_pelvis_roll = {roll:g} rad is not in (0, pi/2]; it is an angle in radians")
+                raise SpecificationError(
+                    f"max_pelvis_roll = {roll:g} rad is not in (0, pi/2]; it is an angle in radians"
+                )
             object.__setattr__(self, "max_pelvis_roll", roll)
         if self.max_torque is not None:
             torque = _tuple("max_torque", self.max_torque, 4)
@@ -84,7 +88,8 @@ class GaitSpecification:
         """Specification from keys and values; unknown keys and bad values raise `SpecificationError`."""
         reject_unknown_keys(where, table, [field.name for field in fields(cls)], SpecificationError)
         try:
-            return cls(**{key: tuple(v) if isinstance(v, list) else v for key, v in table.items()})
+            values: dict[str, Any] = {key: tuple(v) if isinstance(v, list) else v for key, v in table.items()}
+            return cls(**values)
         except SpecificationError as error:
             raise SpecificationError(f"{where}: {error}") from None
 

@@ -19,6 +19,13 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.quadratic_program import UNBOUNDED, ProxQpSolver, QpSolution, QuadraticProgram
 
+QP_MAX_ITERATIONS = 60
+"""Outer iterations of ProxQP a subproblem: a good one needs ten; a hopeless one is cut off, and its step judged by the
+penalty function like any other."""
+
+OUTSIDE_DOMAIN = 1e6
+"""A scaled violation this large means that the start lies where the formulas have no meaning."""
+
 
 class PointEvaluation(Protocol):
     """Values and derivatives at one point."""
@@ -58,7 +65,9 @@ class SqpSettings:
 
     Attributes:
         cost_scale: the objective is multiplied by this.
-        penalty: rho; must exceed the sum of the multipliers for the penalty to be exact.
+        penalty: first rho; it must exceed the sum of the multipliers for the penalty to be exact, so it grows tenfold
+            whenever the iteration settles on a point that is not feasible.
+        max_penalty: largest rho; a point that is not feasible then has the least violation nearby.
         radius: first trust region, in scaled variables.
         max_radius: largest trust region.
         min_radius: smallest trust region; below it the iteration stops.
@@ -69,6 +78,7 @@ class SqpSettings:
 
     cost_scale: float = 1e-2
     penalty: float = 1e3
+    max_penalty: float = 1e6
     radius: float = 1.0
     max_radius: float = 10.0
     min_radius: float = 1e-9
@@ -146,12 +156,17 @@ class _Iteration:
         self.point = evaluate(x0)
         self.evaluations = 1
         self.radius = settings.radius
+        self.penalty = settings.penalty
         self.hessian = self._gauss_newton()
         self.secant = False
 
     def run(self, on_iteration: Callable[[int, float, float], None] | None) -> SqpResult:
         settings = self.settings
         converged, message, count = False, "the iteration limit was reached", 0
+        if not _violation(self.point) < OUTSIDE_DOMAIN:
+            message = "the start is outside the domain of the problem"
+            violation = _violation(self.point)
+            return SqpResult(self.x, self.point.cost, violation, 0, self.evaluations, False, False, message)
         for count in range(1, settings.max_iterations + 1):
             step, solution, kept = self._subproblem(self.point, np.zeros_like(self.x))
             predicted = self._merit(self.point) - self._model(step)
@@ -159,6 +174,10 @@ class _Iteration:
                 if not self.secant:  # Gauss-Newton is done: finish with curvature of the constraints
                     self.secant, self.radius = True, max(self.radius, 1e-2)
                     self.hessian = self._gauss_newton()
+                    continue
+                if _violation(self.point) > settings.feasible and self.penalty < settings.max_penalty:
+                    self.penalty, self.radius = 10.0 * self.penalty, max(self.radius, 1e-2)
+                    self.hessian, self.secant = self._gauss_newton(), False
                     continue
                 converged = predicted < settings.tolerance
                 message = "converged" if converged else "the trust region became too small"
@@ -168,7 +187,14 @@ class _Iteration:
                 on_iteration(count, self.point.cost, _violation(self.point))
         violation = _violation(self.point)
         return SqpResult(
-            self.x, self.point.cost, violation, count, self.evaluations, converged, violation <= settings.feasible, message
+            self.x,
+            self.point.cost,
+            violation,
+            count,
+            self.evaluations,
+            converged,
+            violation <= settings.feasible,
+            message,
         )
 
     # ------------------------------------------------------------------ one step
@@ -211,14 +237,14 @@ class _Iteration:
         H[n, n] = 1e-6  # keeps the slack's column from being singular
         qp = QuadraticProgram(
             H=H,
-            g=np.append(self.settings.cost_scale * point.cost_gradient * scale, self.settings.penalty),
+            g=np.append(self.settings.cost_scale * point.cost_gradient * scale, self.penalty),
             A=np.zeros((0, n + 1)),
             b=np.zeros(0),
             C=np.concatenate([np.hstack([elastic, slack]), np.eye(n + 1)]),
             l=np.concatenate([-margins[kept], -equality, equality, low, [0.0]]),
             u=np.concatenate([np.full(len(elastic), UNBOUNDED), high, [UNBOUNDED]]),
         )
-        solution = ProxQpSolver(accuracy=1e-8).solve(qp)
+        solution = ProxQpSolver(accuracy=1e-8, max_iterations=QP_MAX_ITERATIONS, retry=False).solve(qp)
         return np.clip(solution.x[:n], low, high), solution, kept
 
     # ------------------------------------------------------------------ models
@@ -227,7 +253,7 @@ class _Iteration:
         return self.evaluate(np.clip(self.x + self.scale * step, self.low, self.high))
 
     def _merit(self, point: PointEvaluation) -> float:
-        merit = self.settings.cost_scale * point.cost + self.settings.penalty * _violation(point)
+        merit = self.settings.cost_scale * point.cost + self.penalty * _violation(point)
         # an iterate outside the domain of the formulas (nan, or a cost of nonsense) is no progress
         return merit if np.isfinite(merit) and point.cost > 0.0 else np.inf
 
@@ -238,7 +264,7 @@ class _Iteration:
         violation = max(0.0, float(-np.min(margins)), float(np.max(np.abs(equality))))
         gradient = self.settings.cost_scale * point.cost_gradient * scale
         quadratic = gradient @ step + 0.5 * step @ self.hessian @ step
-        return float(self.settings.cost_scale * point.cost + quadratic + self.settings.penalty * violation)
+        return float(self.settings.cost_scale * point.cost + quadratic + self.penalty * violation)
 
     def _gauss_newton(self) -> FloatArray:
         R = self.point.residual_jacobian * self.scale

@@ -22,7 +22,7 @@ BASE = 3  # freedoms of the stance foot in the floating model
 
 
 class FrontalBiped:
-    """A robot restricted to its frontal plane, in stance coordinates q = (stance ankle, stance hip, swing hip, swing ankle).
+    """A robot in its frontal plane, in stance coordinates q = (stance ankle, stance hip, swing hip, swing ankle).
 
     All angles in rad, frame (h, v): h horizontal from the stance foot towards the swing foot, v up, origin on the
     ground below the stance ankle. Instances own Pinocchio work data and are not thread-safe.
@@ -71,7 +71,7 @@ class FrontalBiped:
 
     @property
     def weight(self) -> float:
-        """m g [N]."""
+        """M g [N]."""
         return self.mass * GRAVITY
 
     @property
@@ -102,23 +102,23 @@ class FrontalBiped:
     # ------------------------------------------------------------------ pinned dynamics
     def D(self, q: FloatArray) -> FloatArray:
         """(4, 4) mass matrix [kg m^2]."""
-        return pin.crba(self.pinned, self._data, q).copy()  # type: ignore[no-any-return]
+        return pin.crba(self.pinned, self._data, q).copy()
 
     def C(self, q: FloatArray, dq: FloatArray) -> FloatArray:
         """(4, 4) Coriolis matrix with dD/dt - 2 C skew [kg m^2/s]."""
-        return pin.computeCoriolisMatrix(self.pinned, self._data, q, dq).copy()  # type: ignore[no-any-return]
+        return pin.computeCoriolisMatrix(self.pinned, self._data, q, dq).copy()
 
     def G(self, q: FloatArray) -> FloatArray:
         """(4,) gravity torques [N m]."""
-        return pin.computeGeneralizedGravity(self.pinned, self._data, q).copy()  # type: ignore[no-any-return]
+        return pin.computeGeneralizedGravity(self.pinned, self._data, q).copy()
 
     def bias(self, q: FloatArray, dq: FloatArray) -> FloatArray:
         """(4,) C(q, dq) dq + G(q) [N m]."""
-        return pin.nonLinearEffects(self.pinned, self._data, q, dq).copy()  # type: ignore[no-any-return]
+        return pin.nonLinearEffects(self.pinned, self._data, q, dq).copy()
 
     def forward_dynamics(self, q: FloatArray, dq: FloatArray, u: FloatArray) -> FloatArray:
         """(4,) ddq [rad/s^2] under the torques u (4,) [N m], stance foot held."""
-        return pin.aba(self.pinned, self._data, q, dq, u).copy()  # type: ignore[no-any-return]
+        return pin.aba(self.pinned, self._data, q, dq, u).copy()
 
     def inverse_dynamics(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> FloatArray:
         """(7,) rows F_h, F_v [N], N_0 [N m], u_1..u_4 [N m] of a motion with the stance foot at rest.
@@ -126,17 +126,17 @@ class FrontalBiped:
         N_0 is the moment of the ground reaction about the ground point below the stance ankle.
         """
         self._q[BASE:], self._dq[BASE:], self._ddq[BASE:] = q, dq, ddq
-        return pin.rnea(self.floating, self._floating_data, self._q, self._dq, self._ddq).copy()  # type: ignore[no-any-return]
+        return pin.rnea(self.floating, self._floating_data, self._q, self._dq, self._ddq).copy()
 
     def momentum_map(self, q: FloatArray) -> FloatArray:
-        """(7, 4) matrix taking dq to (m dp_cm_h, m dp_cm_v, sigma_0, joint momenta): columns of the floating mass matrix."""
+        """(7, 4) matrix from dq to m dp_cm_h, m dp_cm_v, sigma_0 and the joint momenta."""
         self._q[BASE:] = q
-        return pin.crba(self.floating, self._floating_data, self._q)[:, BASE:].copy()  # type: ignore[no-any-return]
+        return pin.crba(self.floating, self._floating_data, self._q)[:, BASE:].copy()
 
     def floating_mass_matrix(self, q: FloatArray) -> FloatArray:
         """(7, 7) mass matrix with the stance foot free."""
         self._q[BASE:] = q
-        return pin.crba(self.floating, self._floating_data, self._q).copy()  # type: ignore[no-any-return]
+        return pin.crba(self.floating, self._floating_data, self._q).copy()
 
     def energy(self, q: FloatArray, dq: FloatArray) -> float:
         """Kinetic plus potential energy, the stance foot's constant share included [J]."""
@@ -147,7 +147,7 @@ class FrontalBiped:
     def com(self, q: FloatArray) -> FloatArray:
         """(2,) centre of mass of the whole robot in (h, v) [m]."""
         self._q[BASE:] = q
-        return pin.centerOfMass(self.floating, self._floating_data, self._q)[:2].copy()  # type: ignore[no-any-return]
+        return pin.centerOfMass(self.floating, self._floating_data, self._q)[:2].copy()
 
     def com_velocity(self, q: FloatArray, dq: FloatArray) -> FloatArray:
         """(2,) velocity of the centre of mass [m/s]."""
@@ -168,7 +168,7 @@ class FrontalBiped:
 
     def fri(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> float:
         """Foot rotation indicator p_FRI of a motion: where the ground reaction acts, from the ankle [m]."""
-        F_h, F_v, N_0 = self.inverse_dynamics(q, dq, ddq)[:3]
+        _, F_v, N_0 = self.inverse_dynamics(q, dq, ddq)[:3]
         return float(N_0 / F_v)
 
     def fri_from_torque(self, u_1: float, force: FloatArray, ddq_1: float = 0.0) -> float:
@@ -206,9 +206,7 @@ class FrontalBiped:
         pin.computeJointJacobians(self.pinned, self._data, q)
         pin.updateFramePlacements(self.pinned, self._data)
         frames = self._sole_frames
-        return np.array(
-            [pin.getFrameJacobian(self.pinned, self._data, f, pin.LOCAL_WORLD_ALIGNED)[:2] for f in frames]
-        )
+        return np.array([pin.getFrameJacobian(self.pinned, self._data, f, pin.LOCAL_WORLD_ALIGNED)[:2] for f in frames])
 
     def joint_positions(self, q: FloatArray) -> FloatArray:
         """(4, 2) stance ankle, stance hip, swing hip, swing ankle in (h, v) [m]."""

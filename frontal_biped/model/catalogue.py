@@ -56,7 +56,9 @@ def _description_path(name_or_path: str | Path) -> Path:
         if not path.is_file():
             raise RobotError(f"{path}: no such URDF file; check the path, or see `frontal-biped robots`")
         if not beside.is_file():
-            raise RobotError(f"{path}: needs a description {beside.name} beside it that names its roll joints and soles")
+            raise RobotError(
+                f"{path}: needs a description {beside.name} beside it that names its roll joints and soles"
+            )
         return beside
     if path.suffix == ".toml":
         return path

@@ -6,7 +6,6 @@ frontal plane; the projection below is therefore exact, not an approximation, on
 
 import difflib
 from collections.abc import Mapping
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -130,7 +129,7 @@ def _lock_other_joints(full: pin.Model, description: RobotDescription, where: st
         posture[joint.idx_q] = angle
     for name in description.joints.values():
         joint = full.joints[full.getJointId(name)]
-        if joint.nq != 1 or joint.nv != 1 or "Revolute" not in joint.shortname() and "RX" not in joint.shortname():
+        if joint.nq != 1 or joint.nv != 1 or not joint.shortname().startswith("JointModelR"):
             raise HypothesisError(
                 "HR1", f'{where}: joint {name!r} is not an ideal revolute joint; make it type="revolute" with limits'
             )
@@ -143,9 +142,7 @@ def _lock_other_joints(full: pin.Model, description: RobotDescription, where: st
     return model, reference
 
 
-def _check_open_chain(
-    model: pin.Model, joint_id: Mapping[str, int], description: RobotDescription, where: str
-) -> None:
+def _check_open_chain(model: pin.Model, joint_id: Mapping[str, int], description: RobotDescription, where: str) -> None:
     root = model.getJointId(ROOT)
     for side in ("left", "right"):
         hip, ankle = joint_id[f"{side}_hip"], joint_id[f"{side}_ankle"]
@@ -208,10 +205,8 @@ def _check_feet(where: str, position: Mapping[str, FloatArray], description: Rob
         )
 
 
-def _check_mirrored_legs(
-    where: str, position: Mapping[str, FloatArray], body: Mapping[str, PlanarBody]
-) -> float:
-    """y of the mirror plane; raises where left and right differ (HR3)."""
+def _check_mirrored_legs(where: str, position: Mapping[str, FloatArray], body: Mapping[str, PlanarBody]) -> float:
+    """Y of the mirror plane; raises where left and right differ (HR3)."""
     middle = 0.5 * (position["left_hip"][0] + position["right_hip"][0])
     length = max(abs(position["left_hip"][1] - position["left_ankle"][1]), 1e-3)
 
@@ -273,5 +268,3 @@ def _chain_limits(
                 " make the joint limits of the two legs mirror images",
             )
     return mirrored
-
-

@@ -1,4 +1,4 @@
-"""The hybrid system of the full model: flow, guards and reset ([O] eq. hybridsystem, with Sigma_f for its second half)."""
+"""The hybrid system of the full model: guards and reset ([O] eq. hybridsystem, with Sigma_f for its second half)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -16,7 +16,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.stance_map import Stance, relabel
 from frontal_biped.simulation.hybrid_system import EventKind, Guard, land, walking_guards
-from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.simulation.trajectory import SAMPLED, Trajectory
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 PHASE_TIME_LIMIT = 5.0  # [s] a phase that lasts longer is not walking
@@ -94,7 +94,9 @@ def simulate_walk(
         The run; a fall is an outcome, not an error.
     """
     chosen = settings or SimulationSettings()
-    flow = _ContinuousFlow(biped, controller, chosen) if chosen.period is None else _SampledFlow(biped, controller, chosen)
+    flow = (
+        _ContinuousFlow(biped, controller, chosen) if chosen.period is None else _SampledFlow(biped, controller, chosen)
+    )
     recorder = _Recorder(biped, controller)
     guards = walking_guards(biped)
     state = np.concatenate([q0, dq0])
@@ -170,9 +172,10 @@ class _ContinuousFlow:
         )
         kind, end = None, float(solution.t[-1])
         if solution.status == 1:
-            kind = next(g.kind for g, times in zip(guards, solution.t_events, strict=True) if len(times))
+            kind = next(g.kind for g, hits in zip(guards, solution.t_events or [], strict=True) if len(hits))
         count = max(2, int(np.ceil((end - t) * settings.record_rate)) + 1)
         times = np.linspace(t, end, count)
+        assert solution.sol is not None  # dense_output=True
         states = solution.sol(times).T
         states[0], states[-1] = state, solution.y[:, -1]
         return _Segment(times, states, None, kind)
@@ -188,14 +191,17 @@ def _as_event(guard: Guard) -> Callable[[float, FloatArray], float]:
 
 
 class _SampledFlow:
-    """Zero-order hold. Between ticks the torques are constant and one Runge-Kutta step of order 4 per millisecond is
-    exact to rounding; scipy's integrators would spend forty times its cost on starting up every period."""
+    """Zero-order hold.
+
+    Between ticks the torques are constant and a Runge-Kutta step of order 4 per millisecond is exact to rounding;
+    solve_ivp would spend most of its time on starting up every period.
+    """
 
     max_step = 1e-3  # [s]
 
     def __init__(self, biped: FrontalBiped, controller: Controller, settings: SimulationSettings) -> None:
         self.biped, self.controller, self.settings = biped, controller, settings
-        assert settings.period is not None  # noqa: S101
+        assert settings.period is not None
         self.period = settings.period
         self._u: FloatArray | None = None
         self._next_tick = 0
@@ -233,7 +239,7 @@ class _SampledFlow:
     def _segment(
         self, times: list[float], states: list[FloatArray], torques: list[FloatArray], kind: EventKind | None
     ) -> _Segment:
-        every = max(1, int(round(1.0 / (self.settings.record_rate * max(self.max_step, 1e-9)))))
+        every = max(1, round(1.0 / (self.settings.record_rate * self.max_step)))
         keep = sorted({*range(0, len(times), every), len(times) - 1})
         torques = [*torques, torques[-1]]
         return _Segment(np.array(times)[keep], np.array(states)[keep], np.array(torques)[keep], kind)
@@ -276,7 +282,7 @@ class _Recorder:
 
     def __init__(self, biped: FrontalBiped, controller: Controller) -> None:
         self.biped, self.controller = biped, controller
-        self.rows: dict[str, list[Any]] = {name: [] for name in _SAMPLED}
+        self.rows: dict[str, list[Any]] = {name: [] for name in SAMPLED}
         self.times: list[float] = []
         self.kinds: list[str] = []
         self.steps: list[int] = []
@@ -327,8 +333,3 @@ class _Recorder:
             gait=gait,
             settings=settings,
         )
-
-
-_SAMPLED = (
-    "t", "q", "dq", "u", "force", "p_fri", "p_fri_target", "q_b_desired", "phase", "stance", "stance_y", "step",
-)  # fmt: skip

@@ -3,7 +3,7 @@
 import json
 import zipfile
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -80,7 +80,17 @@ class Trajectory:
 
     def events(self, kind: str) -> FloatArray:
         """(k,) indices of the events of one kind."""
-        return np.array([i for i, name in enumerate(self.event_kind) if name == kind], dtype=np.int64)  # type: ignore[return-value]
+        return np.array([i for i, name in enumerate(self.event_kind) if name == kind], dtype=np.int64)
+
+    def first_steps(self, count: int) -> "Trajectory":
+        """The part of the run up to the impact that ends step ``count``."""
+        keep, events = self.step < count, self.event_step < count
+        part: dict[str, Any] = {name: getattr(self, name)[keep] for name in SAMPLED}
+        part |= {name: getattr(self, name)[events] for name in ("event_t", "event_step", "event_state")}
+        part["event_kind"] = tuple(kind for kind, kept in zip(self.event_kind, events, strict=True) if kept)
+        part["steps_completed"] = min(self.steps_completed, count)
+        part["outcome"] = "completed" if count <= self.steps_completed else self.outcome
+        return replace(self, **part)
 
     def post_impact_states(self) -> FloatArray:
         """(k, 8) q and dq right after each impact."""
@@ -88,6 +98,7 @@ class Trajectory:
 
 
 _ARRAYS = tuple(f.name for f in fields(Trajectory) if f.type is FloatArray or f.type == "FloatArray")
+SAMPLED = tuple(name for name in _ARRAYS if not name.startswith("event_"))
 _TEXT = ("event_kind", "robot", "outcome", "steps_completed", "gait", "settings")
 
 

@@ -10,8 +10,8 @@ from frontal_biped.arrays import FloatArray
 
 @lru_cache(maxsize=64)
 def _binomials(degree: int) -> tuple[FloatArray, FloatArray]:
-    exponents = np.arange(degree + 1)
-    return np.array([comb(degree, k) for k in exponents], dtype=float), exponents
+    exponents = np.arange(degree + 1.0)
+    return np.array([comb(degree, k) for k in range(degree + 1)], dtype=float), exponents
 
 
 def bernstein(degree: int, s: FloatArray | float) -> FloatArray:

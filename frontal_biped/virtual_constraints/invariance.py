@@ -80,9 +80,7 @@ def double_support_pose(biped: FrontalBiped, beta: FloatArray | float, step_widt
     hip_to_ankle_h = b[0] + np.cos(x) * c[0] - np.sin(x) * c[1]
     hip_to_ankle_v = b[1] + np.sin(x) * c[0] + np.cos(x) * c[1]
     # rotation from the unturned hip-to-ankle vector to d
-    pelvis = np.arctan2(
-        hip_to_ankle_h * d_v - hip_to_ankle_v * d_h, hip_to_ankle_h * d_h + hip_to_ankle_v * d_v
-    )
+    pelvis = np.arctan2(hip_to_ankle_h * d_v - hip_to_ankle_v * d_h, hip_to_ankle_h * d_h + hip_to_ankle_v * d_v)
     parts = [beta, UPRIGHT + pelvis - stance_leg, UPRIGHT + x, UPRIGHT - pelvis - x]
     return np.stack(parts)
 
@@ -136,9 +134,7 @@ def falling_parameters(free: FreeParameters, q_minus: FloatArray, rising: PhaseP
     # equal slopes in beta: M (b_M - b_{M-1}) / range_r = M (c_1 - c_0) / range_f
     range_ratio = (free.beta_impact - free.beta_reversal) / (free.beta_reversal - rising.beta_start)
     second = last + (last - before_last) * range_ratio
-    columns = np.concatenate(
-        [last[:, None], second[:, None], free.falling_columns, q_minus[1:][:, None]], axis=1
-    )
+    columns = np.concatenate([last[:, None], second[:, None], free.falling_columns, q_minus[1:][:, None]], axis=1)
     fri = np.concatenate([rising.fri_bezier[-1:], free.falling_fri])
     return PhaseParameters(free.beta_reversal, free.beta_impact, columns, fri)
 
@@ -183,8 +179,9 @@ def invariance_residuals(biped: FrontalBiped, rising: Phase, falling: Phase, ste
         impact [rad, -], pose and slope at reversal [rad, -], FRI target at reversal [m]. Slopes are divided by the
         larger of 1 and the slope itself.
     """
-    start, end = rising.motion(np.array([rising.beta_start, rising.beta_end])), falling.motion(
-        np.array([falling.beta_start, falling.beta_end])
+    start, end = (
+        rising.motion(np.array([rising.beta_start, rising.beta_end])),
+        falling.motion(np.array([falling.beta_start, falling.beta_end])),
     )
     q_minus = end.q[1]
     landing = impact(biped, q_minus, end.dq[1])

@@ -96,7 +96,11 @@ class Phase:
         """The robot on the virtual constraints at beta (n,) [rad]."""
         beta = np.atleast_1d(np.asarray(beta, dtype=float))
         return constrained_motion(
-            phase_basis(self.degree, self.fri_degree, self.s(beta)), beta, self.range, self.joint_bezier, self.fri_bezier
+            phase_basis(self.degree, self.fri_degree, self.s(beta)),
+            beta,
+            self.range,
+            self.joint_bezier,
+            self.fri_bezier,
         )
 
     def desired(self, beta: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
@@ -116,7 +120,11 @@ class Phase:
 
 
 def constrained_motion(
-    basis: PhaseBasis, beta: FloatArray, beta_range: FloatArray | float, joint_bezier: FloatArray, fri_bezier: FloatArray
+    basis: PhaseBasis,
+    beta: FloatArray,
+    beta_range: FloatArray | float,
+    joint_bezier: FloatArray,
+    fri_bezier: FloatArray,
 ) -> ConstrainedMotion:
     """Evaluate the virtual constraints at beta (n,), the basis taken at the matching s.
 

@@ -1,0 +1,224 @@
+"""The commands: load, call one function, print."""
+
+import argparse
+import json
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from frontal_biped.analysis import analyze
+from frontal_biped.cli.main import SUCCESS, TASK_FAILED
+from frontal_biped.cli.progress import Progress
+from frontal_biped.demo import make_demo
+from frontal_biped.design import GaitSpecification, design_gait, read_specification
+from frontal_biped.exceptions import FrontalBipedError, GaitFileError
+from frontal_biped.files import require_parent, write_text
+from frontal_biped.gait import Gait, gait_from_dict, load_gait, save_gait
+from frontal_biped.model import FrontalBiped, load_robot, robot_names
+from frontal_biped.simulation import Trajectory, load_trajectory, save_trajectory
+from frontal_biped.walking import simulate
+
+VIEWED_STEPS = 6
+
+
+def run_demo(arguments: argparse.Namespace) -> int:
+    """`frontal-biped demo`."""
+    biped = load_robot(arguments.robot)
+    with Progress("demo:") as progress:
+        report = make_demo(biped, arguments.out, on_progress=progress.update)
+    _emit(arguments, report.as_dict(), str(report))
+    return SUCCESS if report.success else TASK_FAILED
+
+
+def run_design(arguments: argparse.Namespace) -> int:
+    """`frontal-biped design`."""
+    specification = GaitSpecification() if arguments.spec is None else read_specification(arguments.spec)
+    biped = load_robot(arguments.robot)
+    if arguments.output is not None:
+        require_parent(arguments.output)
+    with Progress("designing:") as progress:
+
+        def show(iteration: int, cost: float, violation: float) -> None:
+            progress.update(f"iteration {iteration}, J = {cost:.3f} N^2 m s, violation {violation:.1e}")
+
+        result = design_gait(biped, specification, on_progress=show)
+    if result.gait is None:
+        sys.stderr.write(f"frontal-biped: no gait: {biped.name}: {result.message}\n")
+        return TASK_FAILED
+    if arguments.output is not None:
+        save_gait(result.gait, arguments.output)
+    saved = f"written to {arguments.output}" if arguments.output is not None else "not saved; add -o gait.json"
+    table = {
+        "success": result.success,
+        "message": result.message,
+        "iterations": result.iterations,
+        "evaluations": result.evaluations,
+        "seconds": result.seconds,
+        "output": None if arguments.output is None else str(arguments.output),
+        "constraints": None if result.report is None else result.report.as_dict(),
+    }
+    effort = f"{result.iterations} iterations, {result.evaluations} evaluations, {result.seconds:.2f} s"
+    _emit(arguments, table, f"{result.report}\n\n{biped.name}: {result.message}\n{effort}; {saved}")
+    return SUCCESS
+
+
+def run_analyze(arguments: argparse.Namespace) -> int:
+    """`frontal-biped analyze`."""
+    gait = load_gait(arguments.gait)
+    analysis = analyze(_robot_of(gait, arguments), gait)
+    _emit(arguments, analysis.as_dict(), str(analysis))
+    return SUCCESS if analysis.certified else TASK_FAILED
+
+
+def run_simulate(arguments: argparse.Namespace) -> int:
+    """`frontal-biped simulate`."""
+    gait = load_gait(arguments.gait)
+    biped = _robot_of(gait, arguments)
+    if arguments.output is not None:
+        require_parent(arguments.output)
+    period = None if arguments.continuous else 1.0 / arguments.rate
+    run = _walk(biped, gait, arguments.steps, period, arguments.speed_error)
+    if arguments.output is not None:
+        save_trajectory(run, arguments.output)
+    _emit(
+        arguments, {**_run_summary(run), "output": str(arguments.output) if arguments.output else None}, _run_text(run)
+    )
+    return TASK_FAILED if run.fell else SUCCESS
+
+
+def run_view(arguments: argparse.Namespace) -> int:
+    """`frontal-biped view`."""
+    from frontal_biped.visualisation import animation_page, view_live
+
+    if arguments.html is not None:
+        require_parent(arguments.html)
+    biped, _, run = _load_source(arguments, walk=True)
+    assert run is not None
+    if arguments.html is not None:
+        write_text(arguments.html, animation_page(biped, run, title=f"{biped.name}: {run.steps_completed} steps"))
+        sys.stdout.write(
+            f"{arguments.html}: {arguments.html.stat().st_size / 1e6:.2f} MB, opens in any browser, offline\n"
+        )
+        return SUCCESS
+    view_live(biped, run, open_browser=not arguments.no_open)
+    return SUCCESS
+
+
+def run_plot(arguments: argparse.Namespace) -> int:
+    """`frontal-biped plot`."""
+    from frontal_biped.visualisation import write_figures
+
+    biped, gait, run = _load_source(arguments, walk=True)
+    for path in write_figures(arguments.output, biped, gait, run):
+        sys.stdout.write(f"{path}\n")
+    return SUCCESS
+
+
+def run_robots(arguments: argparse.Namespace) -> int:
+    """`frontal-biped robots`."""
+    rows: list[dict[str, Any]] = []
+    for name in robot_names():
+        biped = load_robot(name)
+        outer, inner = biped.sole
+        rows.append(
+            {
+                "name": name,
+                "mass": biped.mass,
+                "leg_length": biped.leg_length,
+                "hip_width": biped.hip_width,
+                "sole": [outer, inner],
+                "ankle_height": biped.ankle_height,
+                "ankle_torque": float(biped.max_torque[0]),
+                "hip_torque": float(biped.max_torque[1]),
+                "description": biped.path.name,
+            }
+        )
+    head = f"{'name':26} {'mass':>8} {'leg':>7} {'hips':>7} {'sole':>16} {'ankle':>8} {'hip':>8}"
+    units = f"{'':26} {'kg':>8} {'m':>7} {'m':>7} {'m':>16} {'N m':>8} {'N m':>8}"
+    lines = [
+        f"{r['name']:26} {r['mass']:8.2f} {r['leg_length']:7.3f} {r['hip_width']:7.3f}"
+        f" {r['sole'][0]:+7.3f}..{r['sole'][1]:+.3f} {r['ankle_torque']:8.1f} {r['hip_torque']:8.1f}"
+        for r in rows
+    ]
+    _emit(arguments, {"robots": rows}, "\n".join([head, units, *lines]))
+    return SUCCESS
+
+
+# ---------------------------------------------------------------------- helpers
+def _emit(arguments: argparse.Namespace, table: Mapping[str, Any], text: str) -> None:
+    if arguments.json:
+        sys.stdout.write(json.dumps(table, indent=1) + "\n")
+    else:
+        sys.stdout.write(text + "\n")
+
+
+def _robot_of(gait: Gait, arguments: argparse.Namespace) -> FrontalBiped:
+    """The robot asked for, or the one the gait names; says so when it is not the one the gait was designed for."""
+    try:
+        biped = load_robot(arguments.robot or gait.robot.name)
+    except FrontalBipedError as error:
+        if arguments.robot:
+            raise
+        raise GaitFileError(f"the gait's robot cannot be loaded: {error}; name it with --robot") from None
+    if biped.fingerprint != gait.robot.fingerprint:
+        sys.stderr.write(
+            f"frontal-biped: warning: the gait was designed for {gait.robot.name!r} with another URDF or description"
+            f" than {biped.path.name}\n"
+        )
+    return biped
+
+
+def _walk(biped: FrontalBiped, gait: Gait, steps: int, period: float | None, speed_error: float = 0.0) -> Trajectory:
+    with Progress("walking: step", steps) as progress:
+        return simulate(
+            biped,
+            gait,
+            steps=steps,
+            period=period,
+            speed_error=speed_error,
+            on_step=lambda done: progress.update("", done),
+        )
+
+
+def _load_source(arguments: argparse.Namespace, walk: bool) -> tuple[FrontalBiped, Gait, Trajectory | None]:
+    """Robot, gait and run of a gait or run file; a gait is walked first."""
+    source: Path = arguments.source
+    if source.suffix == ".npz":
+        run = load_trajectory(source)
+        gait = _gait_of(run, source)
+        return _robot_of(gait, arguments), gait, run
+    gait = load_gait(source)
+    biped = _robot_of(gait, arguments)
+    return biped, gait, _walk(biped, gait, VIEWED_STEPS, period=1e-3) if walk else None
+
+
+def _gait_of(run: Trajectory, source: Path) -> Gait:
+    """The gait kept with a run."""
+    return gait_from_dict(dict(run.gait), f"{source}: gait")
+
+
+def _run_summary(run: Trajectory) -> dict[str, Any]:
+    states = run.post_impact_states()
+    return {
+        "outcome": run.outcome,
+        "steps_completed": run.steps_completed,
+        "duration": float(run.t[-1]),
+        "worst_output_error": float(abs(run.output_error).max()),
+        "worst_post_impact_error": float(abs(states - states[0]).max()),
+        "largest_torque": float(abs(run.u).max()),
+        "least_normal_force": float(run.force[:, 1].min()),
+        "settings": dict(run.settings),
+    }
+
+
+def _run_text(run: Trajectory) -> str:
+    table = _run_summary(run)
+    fate = "walked" if not run.fell else f"FELL ({run.outcome}) after"
+    return (
+        f"{run.robot}: {fate} {run.steps_completed} steps in {table['duration']:.2f} s\n"
+        f"worst output error        {table['worst_output_error']:.3e} rad\n"
+        f"worst post-impact change  {table['worst_post_impact_error']:.3e} (rad, rad/s)\n"
+        f"largest torque            {table['largest_torque']:.2f} N m\n"
+        f"least normal force        {table['least_normal_force']:.1f} N"
+    )

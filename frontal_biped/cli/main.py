@@ -1,0 +1,209 @@
+"""Entry point of `frontal-biped`: the parser, and errors in one line."""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from frontal_biped.exceptions import FrontalBipedError
+from frontal_biped.version import __version__
+
+SUCCESS, TASK_FAILED, USAGE = 0, 1, 2
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command line.
+
+    Args:
+        argv: arguments after the program's name; default: those of the process.
+
+    Returns:
+        0 on success, 1 if the task failed (no gait found, not certified, the robot fell), 2 on bad input.
+    """
+    parser = _parser()
+    try:
+        arguments = parser.parse_args(argv)
+    except SystemExit as stop:  # argparse: --help, --version, or a usage error it has printed
+        return int(stop.code or 0)
+    if arguments.command is None:
+        parser.print_help()
+        return USAGE
+    if arguments.debug:
+        return int(arguments.run(arguments))
+    try:
+        return int(arguments.run(arguments))
+    except FrontalBipedError as error:
+        return _complain(str(error))
+    except OSError as error:
+        return _complain(f"{error.filename or 'file system'}: {error.strerror or error}; choose another path")
+    except KeyboardInterrupt:
+        return _complain("interrupted; nothing was left half-written")
+    except BrokenPipeError:
+        # the reader of our output has gone; leave quietly, as other tools do
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return TASK_FAILED
+
+
+def _complain(message: str) -> int:
+    sys.stderr.write(f"frontal-biped: error: {' '.join(message.split())}\n")
+    return USAGE
+
+
+class _Version(argparse.Action):
+    """`--version` with the versions of the solvers, looked up only when asked for."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from frontal_biped.provenance import software_versions
+
+        versions = software_versions()
+        parser.exit(message="\n".join(f"{name} {version}" for name, version in versions.items()) + "\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="frontal-biped",
+        description=f"Frontal-plane bipedal hybrid zero dynamics, version {__version__}.",
+        epilog="example: frontal-biped demo --out demo",
+    )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print versions and exit")
+    common = argparse.ArgumentParser(add_help=False)
+    common.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    parser.set_defaults(debug=False)
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
+
+    def add(name: str, summary: str, example: str) -> argparse.ArgumentParser:
+        return commands.add_parser(
+            name, help=summary, description=summary, epilog=f"example: {example}", parents=[common]
+        )
+
+    def add_json(command: argparse.ArgumentParser) -> None:
+        command.add_argument("--json", action="store_true", help="print the report as JSON")
+
+    def add_robot(command: argparse.ArgumentParser, default: str | None) -> None:
+        meaning = "a name from `robots`, or a description (.toml) or URDF file"
+        shown = f"default: {default}" if default else "default: the robot the gait names"
+        command.add_argument("--robot", metavar="R", default=default, help=f"{meaning}; {shown}")
+
+    demo = add(
+        "demo",
+        "Design, certify, simulate, and make page and figures for the Table I robot.",
+        "frontal-biped demo --out demo",
+    )
+    demo.add_argument("--out", metavar="DIR", type=Path, default=Path("demo"), help="folder to write; default: demo")
+    add_robot(demo, "frontal_biped")
+    add_json(demo)
+    demo.set_defaults(run=_Run("demo"))
+
+    design = add(
+        "design",
+        "Design a gait: minimise J under C01 to C09.",
+        "frontal-biped design --robot frontal_biped --spec spec.toml -o gait.json",
+    )
+    add_robot(design, "frontal_biped")
+    design.add_argument("--spec", metavar="S.toml", type=Path, help="gait specification; default: all defaults")
+    design.add_argument("-o", "--output", metavar="G.json", type=Path, help="gait file to write")
+    add_json(design)
+    design.set_defaults(run=_Run("design"))
+
+    analyze = add(
+        "analyze",
+        "Closed-form orbit, reversal, certificate, and C01 to C09 with margins; exit status 1 if not certified.",
+        "frontal-biped analyze gait.json",
+    )
+    analyze.add_argument("gait", metavar="G.json", type=Path, help="gait file")
+    add_robot(analyze, None)
+    add_json(analyze)
+    analyze.set_defaults(run=_Run("analyze"))
+
+    simulate = add(
+        "simulate",
+        "Walk a gait in the full model under the QP controller; exit status 1 if the robot falls.",
+        "frontal-biped simulate gait.json --steps 20 -o run.npz",
+    )
+    simulate.add_argument("gait", metavar="G.json", type=Path, help="gait file")
+    add_robot(simulate, None)
+    simulate.add_argument("--steps", metavar="N", type=_positive_int, default=20, help="steps to walk; default: 20")
+    rate = simulate.add_mutually_exclusive_group()
+    rate.add_argument(
+        "--rate",
+        metavar="HZ",
+        type=_positive_float,
+        default=1000.0,
+        help="control rate, zero-order hold; default: 1000",
+    )
+    rate.add_argument("--continuous", action="store_true", help="control in continuous time instead")
+    simulate.add_argument(
+        "--speed-error",
+        metavar="E",
+        type=_finite_float,
+        default=0.0,
+        help="relative error of the first speed; default: 0",
+    )
+    simulate.add_argument("-o", "--output", metavar="RUN.npz", type=Path, help="run file to write")
+    add_json(simulate)
+    simulate.set_defaults(run=_Run("simulate"))
+
+    view = add(
+        "view",
+        "Watch a gait or a run in the browser: live, or as one self-contained page.",
+        "frontal-biped view gait.json --html page.html",
+    )
+    view.add_argument("source", metavar="G.json|RUN.npz", type=Path, help="gait or run file")
+    add_robot(view, None)
+    view.add_argument("--html", metavar="PAGE.html", type=Path, help="write one offline page instead of a live view")
+    view.add_argument("--no-open", action="store_true", help="do not open a browser, only print the address")
+    view.set_defaults(run=_Run("view"))
+
+    plot = add("plot", "Write the paper's figures and more.", "frontal-biped plot run.npz -o figures")
+    plot.add_argument("source", metavar="G.json|RUN.npz", type=Path, help="gait or run file")
+    add_robot(plot, None)
+    plot.add_argument(
+        "-o", "--output", metavar="DIR", type=Path, default=Path("figures"), help="folder; default: figures"
+    )
+    plot.set_defaults(run=_Run("plot"))
+
+    robots = add("robots", "What can be walked.", "frontal-biped robots")
+    add_json(robots)
+    robots.set_defaults(run=_Run("robots"))
+    return parser
+
+
+class _Run:
+    """The command of a name; its module, and Pinocchio with it, is imported when it runs, so --help stays fast."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def __call__(self, arguments: argparse.Namespace) -> int:
+        from frontal_biped.cli import commands
+
+        function = getattr(commands, f"run_{self.name}")
+        return int(function(arguments))
+
+
+def _positive_int(text: str) -> int:
+    try:
+        value = int(text)
+    except ValueError:
+        value = 0
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive whole number")
+    return value
+
+
+def _positive_float(text: str) -> float:
+    value = _finite_float(text)
+    if value <= 0.0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not positive")
+    return value
+
+
+def _finite_float(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not abs(value) < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
