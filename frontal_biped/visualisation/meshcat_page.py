@@ -1,0 +1,140 @@
+"""One self-contained page with the animated robot, made without a server: MeshCat's viewer and its commands inlined."""
+
+import base64
+import html
+import json
+from importlib.resources import files
+from string import Template
+from typing import Any
+
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.visualisation.scene import animate, draw_scene, frontal_camera
+from frontal_biped.visualisation.world import phase_spans
+
+
+class SceneRecorder:
+    """A MeshCat window that keeps the scene in memory: ``meshcat.Visualizer(window=SceneRecorder())``."""
+
+    def __init__(self) -> None:
+        self._commands: dict[tuple[str, ...], dict[str, Any]] = {}
+
+    def send(self, command: Any) -> None:
+        """Keep a command; a later one for the same node and purpose replaces it."""
+        lowered = command.lower()
+        kind, path = lowered["type"], lowered.get("path", "")
+        if kind == "delete":
+            self._commands = {
+                key: kept
+                for key, kept in self._commands.items()
+                if key[1] != path and not key[1].startswith(path + "/")
+            }
+            return
+        key = (kind, path, lowered["property"]) if kind == "set_property" else (kind, path)
+        if kind == "set_object":
+            self._commands = {k: c for k, c in self._commands.items() if k[1] != path or k[0] == "set_transform"}
+        self._commands.pop(key, None)
+        self._commands[key] = lowered
+
+    @property
+    def commands(self) -> list[dict[str, Any]]:
+        """What a viewer must be told to show the scene; the animation comes last, when its nodes exist."""
+        return sorted(self._commands.values(), key=lambda command: command["type"] == "set_animation")
+
+    def packed(self) -> list[bytes]:
+        """The commands as the viewer reads them."""
+        import umsgpack
+
+        return [umsgpack.packb(command) for command in self.commands]
+
+    def get_scene(self) -> str:
+        """The scene as a page of its own; what ``Visualizer.static_html()`` asks for."""
+        return viewer_page("MeshCat", self.packed(), {})
+
+
+def recorded_scene(biped: FrontalBiped, trajectory: Trajectory, fps: float = 30.0) -> SceneRecorder:
+    """Scene and animation of a run, in memory."""
+    import meshcat
+
+    recorder = SceneRecorder()
+    visualizer = meshcat.Visualizer(window=recorder)
+    draw_scene(visualizer, biped)
+    animate(visualizer, biped, trajectory, fps)
+    return recorder
+
+
+def animation_page(
+    biped: FrontalBiped, trajectory: Trajectory, title: str = "Frontal-plane walking", fps: float = 30.0
+) -> str:
+    """One HTML page with the animated robot, play, pause and a time slider.
+
+    The page needs no network and opens from a file. It shows the run in a loop and in real time.
+
+    Args:
+        biped: the robot.
+        trajectory: the run, at least one sample.
+        title: of the page.
+        fps: key frames per second.
+
+    Returns:
+        The page's text, about 1 MB.
+    """
+    return viewer_page(title, recorded_scene(biped, trajectory, fps).packed(), timeline(biped, trajectory))
+
+
+def timeline(biped: FrontalBiped, trajectory: Trajectory) -> dict[str, Any]:
+    """What the page must know beside the scene: duration [s], phases and camera."""
+    start = float(trajectory.t[0])
+    return {
+        "duration": float(trajectory.t[-1]) - start,
+        "phases": [
+            {
+                "start": span.start - start,
+                "step": span.step + 1,
+                "stance": span.stance.value,
+                "phase": "rising" if span.rising else "falling",
+            }
+            for span in phase_spans(trajectory)
+        ],
+        "outcome": trajectory.outcome,
+        "camera": frontal_camera(biped),
+    }
+
+
+def viewer_page(title: str, packed: list[bytes], about: dict[str, Any], socket: bool = False) -> str:
+    """The viewer around a scene.
+
+    Args:
+        title: of the page.
+        packed: the scene's commands; empty if they come by web socket.
+        about: see `timeline`.
+        socket: connect back to the server of the page.
+
+    Returns:
+        The page's text.
+    """
+    return Template(web_text("viewer.html")).substitute(
+        title=html.escape(title),
+        style=web_text("viewer.css"),
+        meshcat_licence=_viewer_file("main.min.js.LICENSE.txt").replace("--", "- -"),
+        meshcat=_viewer_file("main.min.js"),
+        commands=script_json([base64.b64encode(command).decode("ascii") for command in packed]),
+        timeline=script_json(about),
+        socket="true" if socket else "false",
+        connect="ws:" if socket else "",
+        script=web_text("viewer.js"),
+    )
+
+
+def script_json(value: Any) -> str:
+    """JSON that may stand inside a script element."""
+    return json.dumps(value, allow_nan=False).replace("<", "\\u003c").replace("\u2028", "\\u2028")
+
+
+def web_text(name: str) -> str:
+    """A file of the ``web`` folder."""
+    return (files("frontal_biped.visualisation") / "web" / name).read_text(encoding="utf-8")
+
+
+def _viewer_file(name: str) -> str:
+    return (files("meshcat") / "viewer" / "dist" / name).read_text(encoding="utf-8")

@@ -1,0 +1,203 @@
+"""From stance coordinates to the room: where the robot, its feet and the ground reaction are, X forward, Y left, Z up.
+
+The paper's h axis runs from the stance foot towards the swing foot, hence to the right of the robot when the left
+foot stands: with side = +1 in left stance and -1 in right stance,
+
+    y = y_stance - side h,        z = v.
+
+The 3D pose follows from one condition: the stance foot lies flat on z = 0 below its ankle.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.stance_map import Stance
+from frontal_biped.simulation.trajectory import Trajectory
+
+FEET = (Stance.LEFT, Stance.RIGHT)
+_ANKLE = {Stance.LEFT: 0, Stance.RIGHT: 3}  # index in StanceMap.joint_names
+
+_INTERPOLATED = ("q", "dq", "u", "force", "p_fri", "p_fri_target", "q_b_desired")
+_HELD = ("phase", "stance", "stance_y", "step")
+
+
+class PhaseSpan(NamedTuple):
+    """One phase of one step.
+
+    Attributes:
+        start: its time [s].
+        end: [s].
+        rising: rising or falling.
+        stance: the foot that stands.
+        step: index of the step.
+        samples: the samples of the trajectory it owns.
+    """
+
+    start: float
+    end: float
+    rising: bool
+    stance: Stance
+    step: int
+    samples: slice
+
+
+@dataclass(frozen=True)
+class WorldMotion:
+    """A run in the room.
+
+    Attributes:
+        t: (T,) [s], from 0.
+        q: (T, nq) configurations of ``biped.spatial_model``: free-flyer (xyz, quaternion xyzw) and roll joints.
+        com: (T, 3) centre of mass [m].
+        fri: (T, 3) where the ground reaction acts [m].
+        force: (T, 3) ground reaction [N].
+        stance: (T,) +1 left, -1 right.
+    """
+
+    t: FloatArray
+    q: FloatArray
+    com: FloatArray
+    fri: FloatArray
+    force: FloatArray
+    stance: FloatArray
+
+
+def stance_of(sign: float) -> Stance:
+    """The stance foot of a trajectory's sign: +1 left, -1 right."""
+    return Stance.LEFT if sign > 0.0 else Stance.RIGHT
+
+
+def phase_spans(trajectory: Trajectory) -> list[PhaseSpan]:
+    """The phases of a run in the order of time."""
+    changes = (np.diff(trajectory.phase) != 0.0) | (np.diff(trajectory.step) != 0.0)
+    starts = [0, *(np.flatnonzero(changes) + 1).tolist()]
+    ends = [*starts[1:], len(trajectory.t)]
+    return [
+        PhaseSpan(
+            float(trajectory.t[i]),
+            float(trajectory.t[j - 1]),
+            bool(trajectory.phase[i] > 0.0),
+            stance_of(trajectory.stance[i]),
+            int(trajectory.step[i]),
+            slice(i, j),
+        )
+        for i, j in zip(starts, ends, strict=True)
+    ]
+
+
+def first_steps(trajectory: Trajectory, count: int) -> Trajectory:
+    """The first steps of a run; its events are left as they are."""
+    keep = trajectory.step < trajectory.step[0] + count
+    return replace(trajectory, **{name: getattr(trajectory, name)[keep] for name in ("t", *_INTERPOLATED, *_HELD)})
+
+
+def resample(trajectory: Trajectory, times: FloatArray) -> Trajectory:
+    """The run at other instants.
+
+    Samples are interpolated within a phase only: stance coordinates jump at an impact, when the feet change roles.
+
+    Args:
+        trajectory: the run; its two samples at one event time bound the phases.
+        times: (K,) instants in the run's own time, increasing [s].
+
+    Returns:
+        The run at these instants, events unchanged.
+    """
+    t = trajectory.t
+    last = max(len(t) - 2, 0)
+    left = np.clip(np.searchsorted(t, times, side="right") - 1, 0, last)
+    right = np.minimum(left + 1, len(t) - 1)
+    width = t[right] - t[left]
+    weight = np.clip(np.divide(times - t[left], width, out=np.zeros_like(width), where=width > 0.0), 0.0, 1.0)
+    # the last instant belongs to its left neighbour's phase, reached at weight 1
+    arrays: dict[str, Any] = {"t": np.asarray(times, dtype=float)}
+    for name in _INTERPOLATED:
+        values = getattr(trajectory, name)
+        w = weight.reshape(-1, *([1] * (values.ndim - 1)))
+        arrays[name] = (1.0 - w) * values[left] + w * values[right]
+    for name in _HELD:
+        arrays[name] = getattr(trajectory, name)[left]
+    return replace(trajectory, **arrays)
+
+
+def frame_times(trajectory: Trajectory, fps: float) -> FloatArray:
+    """(K,) instants at a fixed rate from the first sample on [s]; the last one is the end of the run exactly."""
+    start, end = float(trajectory.t[0]), float(trajectory.t[-1])
+    whole = int(np.floor((end - start) * fps + 1e-9))
+    times = start + np.arange(whole + 1) / fps
+    if end - times[-1] > 1e-6:
+        return np.append(times, end)
+    times[-1] = end
+    return times
+
+
+def world_configurations(biped: FrontalBiped, trajectory: Trajectory) -> FloatArray:
+    """(T, nq) configurations of ``biped.spatial_model``, the stance foot flat on z = 0 at its recorded place."""
+    model, chart = biped.spatial_model, biped.stance_map
+    data = model.createData()
+    reference = biped.spatial_reference
+    pin.forwardKinematics(model, data, reference)
+    ankle_id = {foot: model.getJointId(chart.joint_names[_ANKLE[foot]]) for foot in FEET}
+    ankle_at_reference = {foot: data.oMi[joint].copy() for foot, joint in ankle_id.items()}
+    address = [model.joints[model.getJointId(name)].idx_q for name in chart.joint_names]
+
+    configurations = np.tile(reference, (len(trajectory.t), 1))
+    for row, q, sign, y in zip(configurations, trajectory.q, trajectory.stance, trajectory.stance_y, strict=True):
+        foot = stance_of(sign)
+        row[address] = chart.positions_to_urdf(q, foot)
+        pin.forwardKinematics(model, data, row)
+        wanted = ankle_at_reference[foot].copy()
+        wanted.translation = np.array([wanted.translation[0], y, biped.ankle_height])
+        root = data.oMi[1]
+        row[:7] = pin.SE3ToXYZQUAT(wanted * data.oMi[ankle_id[foot]].inverse() * root)
+    return configurations
+
+
+def world_motion(biped: FrontalBiped, trajectory: Trajectory) -> WorldMotion:
+    """The run in the room: configurations, centre of mass and ground reaction."""
+    model = biped.spatial_model
+    data = model.createData()
+    q = world_configurations(biped, trajectory)
+    com = np.array([pin.centerOfMass(model, data, row).copy() for row in q])
+    ankle_x = _sole_x(biped)
+    forward = np.where(trajectory.stance > 0.0, ankle_x[0], ankle_x[1])
+    zero = np.zeros_like(trajectory.t)
+    fri = np.stack([forward, trajectory.stance_y - trajectory.stance * trajectory.p_fri, zero], axis=1)
+    force = np.stack([zero, -trajectory.stance * trajectory.force[:, 0], trajectory.force[:, 1]], axis=1)
+    return WorldMotion(trajectory.t - trajectory.t[0], q, com, fri, force, trajectory.stance.copy())
+
+
+def sole_ends(biped: FrontalBiped, configurations: FloatArray) -> FloatArray:
+    """(T, 2, 2, 3) ends of the soles in the room [m]: [time, left or right foot, inner or outer end, xyz]."""
+    model, chart, sole = biped.spatial_model, biped.stance_map, biped.description.sole
+    data = model.createData()
+    pin.forwardKinematics(model, data, biped.spatial_reference)
+    ends = []
+    for foot, inwards in zip(FEET, (-1.0, 1.0), strict=True):
+        joint = model.getJointId(chart.joint_names[_ANKLE[foot]])
+        upright = data.oMi[joint].rotation.T
+        for extent in (sole.inner, -sole.outer):
+            ends.append((joint, upright @ np.array([0.0, inwards * extent, -sole.ankle_height])))
+    points = np.empty((len(configurations), 4, 3))
+    for row, q in zip(points, configurations, strict=True):
+        pin.forwardKinematics(model, data, q)
+        row[:] = [data.oMi[joint].act(local) for joint, local in ends]
+    return points.reshape(-1, 2, 2, 3)
+
+
+def plane_to_world(points: FloatArray, stance: FloatArray | float, stance_y: FloatArray | float) -> FloatArray:
+    """(..., 2) world (y, z) [m] of points (h, v) (..., 2) [m]; stance and stance_y broadcast over the points."""
+    return np.stack([stance_y - stance * points[..., 0], points[..., 1] + np.zeros_like(stance_y)], axis=-1)
+
+
+def _sole_x(biped: FrontalBiped) -> tuple[float, float]:
+    data = biped.spatial_model.createData()
+    pin.forwardKinematics(biped.spatial_model, data, biped.spatial_reference)
+    names = biped.stance_map.joint_names
+    left, right = (float(data.oMi[biped.spatial_model.getJointId(names[_ANKLE[foot]])].translation[0]) for foot in FEET)
+    return left, right
