@@ -26,7 +26,6 @@ class EventKind(Enum):
     REVERSAL = "reversal"
     IMPACT = "impact"
     EARLY_LANDING = "the swing foot touched the ground before the reversal"
-    SECOND_REVERSAL = "the stance leg turned outwards again before the swing foot landed"
     TIPPED_OUTWARDS = "the robot tipped over its stance foot, away from the swing foot"
     COLLAPSED = "the centre of mass dropped below 60 % of its upright height"
     EDGE_LANDING = "the swing foot landed on its edge"
@@ -86,7 +85,6 @@ def walking_guards(biped: FrontalBiped) -> Guards:
         ),
         falling=(
             Guard(EventKind.IMPACT, clearance, -1),
-            Guard(EventKind.SECOND_REVERSAL, speed, +1),
             *fallen,
         ),
     )

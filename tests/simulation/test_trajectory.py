@@ -1,0 +1,65 @@
+"""Run files: exact round trip, and refusals that name the file."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from frontal_biped.exceptions import TrajectoryFileError
+from frontal_biped.simulation import SimulationSettings, load_trajectory, save_trajectory
+from frontal_biped.simulation.trajectory import SAMPLED
+from frontal_biped.walking import simulate
+
+
+@pytest.fixture(scope="module")
+def run(biped, level_gait):
+    return simulate(biped, level_gait, steps=2, period=2e-3, simulation_settings=SimulationSettings(record_rate=100.0))
+
+
+def test_round_trip_is_exact(run, tmp_path):
+    path = tmp_path / "run.npz"
+    save_trajectory(run, path)
+    back = load_trajectory(path)
+    for field in dataclasses.fields(run):
+        a, b = getattr(run, field.name), getattr(back, field.name)
+        assert np.array_equal(a, b) if isinstance(a, np.ndarray) else a == b, field.name
+    assert [p.name for p in tmp_path.iterdir()] == ["run.npz"]
+
+
+def test_samples_are_ordered_in_time_and_aligned(run):
+    assert np.all(np.diff(run.t) >= 0.0)
+    assert {len(getattr(run, name)) for name in SAMPLED} == {len(run.t)}
+    assert run.event_kind == ("IMPACT", "REVERSAL", "IMPACT", "REVERSAL", "IMPACT")
+
+
+def test_first_steps(run):
+    part = run.first_steps(1)
+    assert set(part.step) == {0.0}
+    assert part.event_kind == ("IMPACT", "REVERSAL", "IMPACT")
+    assert part.steps_completed == 1
+    assert len(part.post_impact_states()) == 2
+
+
+@pytest.mark.parametrize("content", [b"", b"not a zip", b"PK\x03\x04 cut off"])
+def test_unreadable_files_are_refused_in_one_line(tmp_path, content):
+    path = tmp_path / "run.npz"
+    path.write_bytes(content)
+    with pytest.raises(TrajectoryFileError, match=r"run\.npz.*simulate") as error:
+        load_trajectory(path)
+    assert "\n" not in str(error.value)
+
+
+def test_missing_truncated_and_foreign_archives_are_refused(run, tmp_path):
+    with pytest.raises(TrajectoryFileError, match="no such run file"):
+        load_trajectory(tmp_path / "absent.npz")
+    path = tmp_path / "run.npz"
+    save_trajectory(run, path)
+    path.write_bytes(path.read_bytes()[:-500])
+    with pytest.raises(TrajectoryFileError):
+        load_trajectory(path)
+    np.savez(path, x=np.zeros(3))
+    with pytest.raises(TrajectoryFileError):
+        load_trajectory(path)
+    np.savez(path, header=np.array('{"format": "something else"}'))
+    with pytest.raises(TrajectoryFileError, match="not a run file"):
+        load_trajectory(path)
