@@ -7,13 +7,15 @@ from string import Template
 
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.visualisation.figures import FIGURES
 from frontal_biped.visualisation.meshcat_page import animation_page, web_text
 
 NumberRow = tuple[str, float | int | str, str]
 """(name, value, unit)."""
 
-ConstraintRow = tuple[str, str, float | str, float | str, float | None, str]
-"""(code, name, value, bound, margin, unit); a negative margin is a violation, None means there is none to give."""
+ConstraintRow = tuple[str, str, float | str, float | str, float | str | None, str]
+"""(code, name, value, bound, margin, unit); margins may be formatted. A negative margin, or one that is no number, is
+a violation; None means there is none to give."""
 
 
 def report_page(
@@ -31,7 +33,7 @@ def report_page(
     Args:
         biped: the robot.
         trajectory: the run to animate.
-        figures: (caption, SVG element) of each figure, from `figure_svg`; the SVG is inserted as it is.
+        figures: (caption, or a name of `FIGURES` that stands for its caption; SVG element from `figure_svg`).
         numbers: key numbers.
         constraints: constraint table.
         notes: paragraphs of plain text.
@@ -53,7 +55,8 @@ def report_page(
         constraints=_constraint_table(constraints),
         notes=_notes(notes),
         figures="\n".join(
-            f"<figure>\n{svg}\n<figcaption>{html.escape(caption)}</figcaption>\n</figure>" for caption, svg in figures
+            f"<figure>\n{svg}\n<figcaption>{html.escape(FIGURES.get(caption, caption))}</figcaption>\n</figure>"
+            for caption, svg in figures
         ),
     )
 
@@ -74,8 +77,7 @@ def _constraint_table(rows: Sequence[ConstraintRow]) -> str:
         return ""
     lines = []
     for code, name, value, bound, margin, unit in rows:
-        # not a number counts as violated, never as kept
-        kept = margin is None or margin >= 0.0
+        kept = margin is None or _at_least_zero(margin)
         mark = "" if margin is None else f'<span class="mark">{"kept" if kept else "violated"}</span> '
         shown = "" if margin is None else _value(margin)
         lines.append(
@@ -96,6 +98,13 @@ def _notes(notes: Sequence[str]) -> str:
         return ""
     paragraphs = "\n".join(f"<p>{html.escape(note)}</p>" for note in notes)
     return f'<section id="notes">\n<h2>Notes</h2>\n{paragraphs}\n</section>'
+
+
+def _at_least_zero(margin: float | str) -> bool:
+    try:
+        return float(margin) >= 0.0  # not a number is unknown, and unknown is never kept
+    except ValueError:
+        return False
 
 
 def _value(value: float | int | str) -> str:

@@ -22,6 +22,8 @@ ROBOT, GROUND, CONTACT, COM = "robot", "ground", "contact", "centre_of_mass"
 REPETITIONS = 1_000_000  # MeshCat plays once unless told otherwise
 FORCE_LENGTH = 0.6  # length of the arrow that carries the whole weight, over the hip's height
 
+_Y_TO_Z = pin.Quaternion.FromTwoVectors(pin.YAxis, pin.ZAxis).matrix()  # MeshCat's cylinders point along y
+
 COLOURS = {
     "floor": 0xE4E9EF,
     "glow": 0x565A60,
@@ -34,7 +36,7 @@ COLOURS = {
 
 
 def visual_model(biped: FrontalBiped) -> pin.GeometryModel:
-    """Shapes of a robot: the URDF's visuals, or its collision shapes where it has none.
+    """Shapes of a robot: the URDF's visuals, or its collision shapes where it has none; possibly neither.
 
     Raises:
         RobotError: a mesh is not found.
@@ -120,11 +122,11 @@ def _draw_ground(node: Any) -> None:
         mg.Box([30.0, 30.0, slab]), mg.MeshLambertMaterial(color=COLOURS["floor"], emissive=COLOURS["glow"])
     )
     node["slab"].set_transform(_at(0.0, 0.0, -0.5 * slab))
-    # a line every 0.25 m of y, a hair above the slab: steps can be read off, and nothing flickers
+    # a line every 0.25 m of y, 1 mm above the slab lest it flicker: steps can be read off
     for k in range(-8, 9):
         line = node[f"line_{k + 8}"]
-        line.set_object(mg.Box([8.0, 0.004, 1e-4]), mg.MeshBasicMaterial(color=COLOURS["line"]))
-        line.set_transform(_at(0.0, 0.25 * k, 1e-4))
+        line.set_object(mg.Box([8.0, 0.004, 2e-3]), mg.MeshBasicMaterial(color=COLOURS["line"]))
+        line.set_transform(_at(0.0, 0.25 * k, 0.0))
 
 
 def _draw_robot(node: Any, biped: FrontalBiped) -> None:
@@ -138,6 +140,9 @@ def _draw_robot(node: Any, biped: FrontalBiped) -> None:
             return f"{body}/{geometry_object.name}"
 
     shapes = visual_model(biped)
+    if not shapes.ngeoms:
+        _draw_plain_robot(node, biped)
+        return
     loader = BodyVisualizer(biped.spatial_model, None, shapes)
     loader.initViewer(viewer=node)
     for shape in shapes.geometryObjects:
@@ -145,6 +150,43 @@ def _draw_robot(node: Any, biped: FrontalBiped) -> None:
         placement = np.asarray(shape.placement.homogeneous, dtype=float)
         scale = np.diag([*np.asarray(shape.meshScale, dtype=float), 1.0])
         node[loader.getViewerNodeName(shape, pin.GeometryType.VISUAL)].set_transform(placement @ scale)
+
+
+def _draw_plain_robot(node: Any, biped: FrontalBiped) -> None:
+    """Bars for a URDF without shapes."""
+    import meshcat.geometry as mg
+
+    model, chart, sole = biped.spatial_model, biped.stance_map, biped.description.sole
+    data = model.createData()
+    pin.forwardKinematics(model, data, biped.spatial_reference)
+    size = biped.leg_length
+    at = [data.oMi[model.getJointId(name)] for name in chart.joint_names]
+
+    def bar(joint: str, part: str, world: FloatArray, shape: Any, colour: int) -> None:
+        """Hang a shape, placed in the room at the reference posture, on a body."""
+        body = data.oMi[model.getJointId(joint)].inverse().homogeneous
+        node[joint][part].set_object(shape, mg.MeshPhongMaterial(color=colour))
+        node[joint][part].set_transform(np.asarray(body @ world, dtype=float))
+
+    for ankle, hip, inwards, colour in ((0, 1, -1.0, 0x2A6CB8), (3, 2, 1.0, 0xDE7329)):
+        middle = 0.5 * (at[ankle].translation + at[hip].translation)
+        upright = np.asarray(pin.SE3(_Y_TO_Z, middle).homogeneous, dtype=float)
+        bar(chart.joint_names[hip], "leg", upright, mg.Cylinder(size, 0.06 * size), colour)
+        thickness = max(sole.ankle_height, 0.04 * size)
+        x, y, z = at[ankle].translation
+        offset = 0.5 * inwards * (sole.inner - sole.outer)
+        foot = mg.Box([0.28 * size, sole.inner + sole.outer, thickness])
+        bar(
+            chart.joint_names[ankle],
+            "foot",
+            _at(x, y + offset, z - sole.ankle_height + 0.5 * thickness),
+            foot,
+            0x384050,
+        )
+    x, y, z = 0.5 * (at[1].translation + at[2].translation)
+    root = model.names[1]
+    bar(root, "pelvis", _at(x, y, z), mg.Box([0.14 * size, biped.hip_width, 0.1 * size]), 0x384050)
+    bar(root, "torso", _at(x, y, z + 0.3 * size), mg.Box([0.16 * size, 0.35 * size, 0.5 * size]), 0x9EABBD)
 
 
 def _draw_markers(visualizer: Any, hip_height: float) -> None:
@@ -240,7 +282,7 @@ def _from_y_axis(direction: FloatArray) -> list[float]:
 
 def _hanging_cylinder() -> FloatArray:
     """A cylinder of length one from z = -1 to 0."""
-    turned = pin.SE3(pin.Quaternion.FromTwoVectors(pin.YAxis, pin.ZAxis).matrix(), np.array([0.0, 0.0, -0.5]))
+    turned = pin.SE3(_Y_TO_Z, np.array([0.0, 0.0, -0.5]))
     return np.asarray(turned.homogeneous, dtype=float)
 
 

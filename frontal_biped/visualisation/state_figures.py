@@ -20,7 +20,6 @@ from frontal_biped.visualisation.figure_style import (
     styled,
 )
 from frontal_biped.visualisation.world import (
-    first_steps,
     phase_spans,
     plane_to_world,
     resample,
@@ -50,7 +49,7 @@ def snapshots(biped: FrontalBiped, trajectory: Trajectory, count: int = 7) -> "F
     Returns:
         Two panels, y and z [m]; the left leg is blue and solid, the right one orange and dashed.
     """
-    run = first_steps(trajectory, 2)
+    run = trajectory.first_steps(2)
     steps = [int(s) for s in np.unique(run.step)]
     reach = 2.0 * max(abs(float(run.stance_y.max())), abs(float(run.stance_y.min())))
     pitch = reach + 0.55 * biped.leg_length

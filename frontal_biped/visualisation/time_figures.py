@@ -23,7 +23,7 @@ from frontal_biped.visualisation.figure_style import (
     styled,
 )
 from frontal_biped.visualisation.orbit import ORBIT
-from frontal_biped.visualisation.world import first_steps, phase_spans
+from frontal_biped.visualisation.world import phase_spans
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,7 +43,7 @@ def joint_angles(trajectory: Trajectory, steps: int = 2) -> "Figure":
     Returns:
         Four panels, q1 (no desired value: it is the phase variable) to q4 [rad] over time [s].
     """
-    run = first_steps(trajectory, steps)
+    run = trajectory.first_steps(steps)
     figure, axes = panels("joint_angles", 4, 6.2)
     t, q = by_phase(run, run.q)
     _, desired = by_phase(run, run.q_b_desired)
@@ -73,7 +73,7 @@ def torques(biped: FrontalBiped, trajectory: Trajectory, steps: int = 2, ax: "Ax
     Returns:
         u_1 to u_4 [N m] over time [s].
     """
-    run = first_steps(trajectory, steps)
+    run = trajectory.first_steps(steps)
     figure, ax = own_or_new(ax, "torques", 3.3)
     t, u = by_phase(run, run.u)
     for i, (colour, style) in enumerate(JOINT_STYLES):
@@ -108,7 +108,7 @@ def ground_reaction(
     Returns:
         Three panels over time [s]: F_v [N], F_h [N] and p_FRI [mm].
     """
-    run = first_steps(trajectory, steps)
+    run = trajectory.first_steps(steps)
     specification = run.gait.get("specification", {})
     mu = float(specification.get("friction", 0.6)) if friction is None else friction
     figure, axes = panels("ground_reaction", 3, 5.4)
@@ -164,7 +164,7 @@ def swing_foot_height(
     Returns:
         Heights [mm] over time [s].
     """
-    run = first_steps(trajectory, steps)
+    run = trajectory.first_steps(steps)
     asked = run.gait.get("specification", {}).get("swing_clearance") if clearance is None else clearance
     figure, ax = own_or_new(ax, "swing_foot_height", 3.0)
     height = 1e3 * np.array([biped.swing_sole(q)[:, 1] for q in run.q])

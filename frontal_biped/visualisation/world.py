@@ -90,12 +90,6 @@ def phase_spans(trajectory: Trajectory) -> list[PhaseSpan]:
     ]
 
 
-def first_steps(trajectory: Trajectory, count: int) -> Trajectory:
-    """The first steps of a run; its events are left as they are."""
-    keep = trajectory.step < trajectory.step[0] + count
-    return replace(trajectory, **{name: getattr(trajectory, name)[keep] for name in ("t", *_INTERPOLATED, *_HELD)})
-
-
 def resample(trajectory: Trajectory, times: FloatArray) -> Trajectory:
     """The run at other instants.
 
