@@ -143,7 +143,14 @@ def by_phase(trajectory: Trajectory, values: FloatArray) -> tuple[FloatArray, Fl
 
 def legend_above(ax: "Axes", columns: int, lift: float = 0.0) -> None:
     """Legend outside the data, above the axes; lift clears a line of text there (axes heights)."""
-    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0 + lift), ncols=columns, borderaxespad=0.3, handlelength=2.6)
+    ax.legend(
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0 + lift),
+        ncols=columns,
+        borderaxespad=0.3,
+        handlelength=2.4,
+        columnspacing=1.2,
+    )
 
 
 @styled

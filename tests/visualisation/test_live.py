@@ -1,6 +1,5 @@
 """The live viewer starts, serves, and is gone afterwards: no process, no port."""
 
-import json
 import os
 import signal
 import socket
@@ -113,4 +112,3 @@ def test_no_orphan_after_a_signal(ending):
     assert errors == ""
     assert viewer.returncode == (-signal.SIGKILL if ending is signal.SIGKILL else 0)
     assert is_free(int(url.rstrip("/").rsplit(":", 1)[1]))
-    assert json.dumps(url)
