@@ -25,11 +25,13 @@ class ReversalQuadrature:
         tau: (n,) nodes, both ends included [-].
         weights: (n,) of int_0^1 f dtau [-].
         Q: (n, n) matrix of the operator above [-].
+        barycentric: (n,) weights of the polynomial through the nodes [-].
     """
 
     tau: FloatArray
     weights: FloatArray
     Q: FloatArray
+    barycentric: FloatArray
 
     @property
     def size(self) -> int:
@@ -45,10 +47,12 @@ def reversal_quadrature(size: int) -> ReversalQuadrature:
     # int_0^1 r l_j(tau_i r) dr by Gauss quadrature, exact: the integrand has degree size
     r, w = np.polynomial.legendre.leggauss(size // 2 + 2)
     r, w = 0.5 * (r + 1.0), 0.5 * w
-    cardinal = BarycentricInterpolator(tau, np.eye(size))
+    # closed form at Gauss-Lobatto nodes; scipy would compute them in a random order, different in the last digits
+    barycentric = np.where(np.arange(size) % 2, -1.0, 1.0) * np.sqrt(weights)
+    cardinal = BarycentricInterpolator(tau, np.eye(size), wi=barycentric)
     values = cardinal(np.outer(tau, r).ravel()).reshape(size, len(r), size)
     Q = np.einsum("k,ikj->ij", w * r, values)
-    return ReversalQuadrature(tau, weights, Q)
+    return ReversalQuadrature(tau, weights, Q, barycentric)
 
 
 def _lobatto_nodes(size: int) -> FloatArray:

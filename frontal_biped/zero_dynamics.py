@@ -250,13 +250,14 @@ def phase_orbit(
 
 
 def resample(biped: FrontalBiped, phase: Phase, orbit: PhaseOrbit, tau: FloatArray) -> PhaseOrbit:
-    """The same orbit at other points tau (n,) in [0, 1], increasing.
+    """An orbit on quadrature nodes, at other points tau (n,) in [0, 1], increasing.
 
     zeta is interpolated by the polynomial through the quadrature nodes; configuration, dynamics and FRI are
     evaluated afresh. The weights are those of the trapezoidal rule.
     """
     values = np.stack([orbit.z, orbit.log_delta_squared], axis=1)
-    z, exponent = BarycentricInterpolator(orbit.tau, values)(tau).T
+    rule = reversal_quadrature(len(orbit.tau))
+    z, exponent = BarycentricInterpolator(rule.tau, values, wi=rule.barycentric)(tau).T
     motion, restricted = _at(biped, phase, orbit.beta[0] - orbit.Delta * tau**2)
     weights = np.gradient(tau)
     weights[[0, -1]] *= 0.5

@@ -57,7 +57,8 @@ class _Version(argparse.Action):
         from frontal_biped.provenance import software_versions
 
         versions = software_versions()
-        parser.exit(message="\n".join(f"{name} {version}" for name, version in versions.items()) + "\n")
+        sys.stdout.write("".join(f"{name} {version}\n" for name, version in versions.items()))
+        parser.exit()
 
 
 def _parser() -> argparse.ArgumentParser:

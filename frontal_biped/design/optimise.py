@@ -24,6 +24,7 @@ OPTIMISER_NODES = 16
 
 TIGHTENING_ROUNDS = 4
 NEWTON_STEPS = 6  # on the periodicity equation; quadratic, from about 1e-8
+CLOSED = 1e-14  # scaled periodicity defect at which they stop: rounding
 SAFETY = 1e-7  # every scaled constraint keeps this distance in the optimiser, against its own tolerance
 RESIDUAL_TOLERANCE = 1e-9
 
@@ -107,14 +108,15 @@ def _close_orbit(problem: DesignProblem, x: FloatArray) -> FloatArray:
     nodes = converged_nodes(problem.biped, rising, falling, float(x[2]))
     fine = DesignProblem(problem.biped, problem.specification, nodes)
     low, high = problem.bounds()
-    # variables on their bounds stay there
-    scale = np.where((x > low) & (x < high), problem.scale(), 0.0)
     for _ in range(NEWTON_STEPS):
         point = fine.evaluate(x)
+        if abs(point.equality[0]) < CLOSED:
+            break
+        # variables on or next to their bounds stay where they are
+        room = np.minimum(x - low, high - x)
+        scale = np.where(room > 1e-6 * problem.scale(), problem.scale(), 0.0)
         row = point.equality_jacobian[0] * scale
         x = np.clip(x - scale * row * (point.equality[0] / (row @ row)), low, high)
-        if abs(point.equality[0]) < 1e-14:
-            break
     return x
 
 

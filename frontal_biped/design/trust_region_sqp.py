@@ -23,6 +23,9 @@ QP_MAX_ITERATIONS = 60
 """Outer iterations of ProxQP a subproblem: a good one needs ten; a hopeless one is cut off, and its step judged by the
 penalty function like any other."""
 
+GAIN_OF_PENALTY = 0.7
+"""A larger penalty that leaves more than this share of the violation will not make the problem feasible."""
+
 OUTSIDE_DOMAIN = 1e6
 """A scaled violation this large means that the start lies where the formulas have no meaning."""
 
@@ -163,6 +166,7 @@ class _Iteration:
     def run(self, on_iteration: Callable[[int, float, float], None] | None) -> SqpResult:
         settings = self.settings
         converged, message, count = False, "the iteration limit was reached", 0
+        settled = np.inf  # violation where the iteration settled under the last penalty
         if not _violation(self.point) < OUTSIDE_DOMAIN:
             message = "the start is outside the domain of the problem"
             violation = _violation(self.point)
@@ -175,7 +179,10 @@ class _Iteration:
                     self.secant, self.radius = True, max(self.radius, 1e-2)
                     self.hessian = self._gauss_newton()
                     continue
-                if _violation(self.point) > settings.feasible and self.penalty < settings.max_penalty:
+                violation = _violation(self.point)
+                worth_it = violation < GAIN_OF_PENALTY * settled
+                if violation > settings.feasible and self.penalty < settings.max_penalty and worth_it:
+                    settled = violation
                     self.penalty, self.radius = 10.0 * self.penalty, max(self.radius, 1e-2)
                     self.hessian, self.secant = self._gauss_newton(), False
                     continue

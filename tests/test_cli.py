@@ -1,0 +1,325 @@
+"""The command line: every command works, and every bad input gets one line and leaves nothing behind."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from frontal_biped.cli import main
+from frontal_biped.gait import load_gait, save_gait
+from frontal_biped.model import models_dir
+
+COMMANDS = ("demo", "design", "analyze", "simulate", "view", "plot", "robots")
+HELP_SECONDS = 2.0  # generous: it takes about 0.1 s when Pinocchio is not imported, 0.8 s when it is
+
+
+@pytest.fixture(scope="module")
+def gait_file(level_gait, tmp_path_factory):
+    path = tmp_path_factory.mktemp("gait") / "gait.json"
+    save_gait(level_gait, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def run_file(gait_file):
+    path = gait_file.with_name("run.npz")
+    assert main(["simulate", str(gait_file), "--steps", "2", "--rate", "500", "-o", str(path)]) == 0
+    return path
+
+
+def robot_copy(folder: Path, edit=None, **replacements) -> Path:
+    """A copy of the Table I robot with text replaced in its URDF or description; returns the description."""
+    for suffix in (".toml", ".urdf"):
+        text = (models_dir() / f"frontal_biped{suffix}").read_text()
+        for old, new in replacements.get(suffix[1:], ()):
+            assert old in text
+            text = text.replace(old, new)
+        (folder / f"frontal_biped{suffix}").write_text(text)
+    return folder / "frontal_biped.toml"
+
+
+class TestGoodInput:
+    @pytest.mark.parametrize("command", COMMANDS)
+    def test_help_has_an_example(self, command, capsys):
+        assert main([command, "--help"]) == 0
+        assert f"example: frontal-biped {command}" in capsys.readouterr().out
+
+    def test_help_does_not_wait_for_pinocchio(self):
+        code = "import sys; from frontal_biped.cli import main; main(['--help']); print('pinocchio' in sys.modules)"
+        out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+        assert out.endswith("False\n")
+
+    def test_version_names_the_solvers(self, capsys):
+        assert main(["--version"]) == 0
+        out = capsys.readouterr().out
+        for package in ("frontal-biped", "pin", "numpy", "scipy", "proxsuite"):
+            assert package in out
+
+    def test_no_command_prints_help(self, capsys):
+        assert main([]) == 2
+        assert "COMMAND" in capsys.readouterr().out
+
+    def test_robots(self, capsys):
+        assert main(["robots", "--json"]) == 0
+        robots = {row["name"]: row for row in json.loads(capsys.readouterr().out)["robots"]}
+        assert robots["frontal_biped"]["mass"] == pytest.approx(60.7)
+        assert set(robots) >= {"frontal_biped", "frontal_biped_low_torso"}
+
+    @pytest.mark.parametrize("robot", ["frontal_biped", "frontal_biped_low_torso"])
+    def test_design_analyze_simulate(self, robot, tmp_path, capsys):
+        gait = tmp_path / "deep" / "gait.json"
+        assert main(["design", "--robot", robot, "-o", str(gait), "--json"]) == 0
+        assert json.loads(capsys.readouterr().out)["success"]
+        assert load_gait(gait).robot.name == robot
+        assert main(["analyze", str(gait)]) == 0
+        out = capsys.readouterr().out
+        assert "certificate                yes" in out
+        assert main(["simulate", str(gait), "--steps", "2", "--json"]) == 0
+        assert json.loads(capsys.readouterr().out)["steps_completed"] == 2
+
+    def test_design_follows_the_specification(self, tmp_path, capsys):
+        spec = tmp_path / "spec.toml"
+        spec.write_text("max_pelvis_roll = 0.05\nstep_width = [0.2, 0.3]\n")
+        gait = tmp_path / "gait.json"
+        assert main(["design", "--spec", str(spec), "-o", str(gait)]) == 0
+        stored = load_gait(gait)
+        assert stored.specification["max_pelvis_roll"] == 0.05
+        assert 0.2 <= stored.step_width <= 0.3
+        assert main(["analyze", str(gait), "--json"]) == 0
+        capsys.readouterr()
+
+    def test_view_and_plot_of_both_models(self, gait_file, run_file, tmp_path, capsys):
+        page = tmp_path / "page.html"
+        assert main(["view", str(run_file), "--html", str(page)]) == 0
+        assert page.stat().st_size > 100_000
+        assert main(["plot", str(run_file), "-o", str(tmp_path / "figures")]) == 0
+        names = {path.stem for path in (tmp_path / "figures").glob("*.svg")}
+        assert {"joint_angles", "snapshots", "phase_portrait", "energy", "torques", "ground_reaction"} <= names
+
+    def test_a_fall_is_exit_status_one(self, gait_file, capsys):
+        assert main(["simulate", str(gait_file), "--steps", "2", "--speed-error", "5"]) == 1
+        assert "FELL" in capsys.readouterr().out
+
+    def test_gait_for_another_robot_is_warned_about(self, gait_file, capsys):
+        main(["simulate", str(gait_file), "--robot", "frontal_biped_low_torso", "--steps", "1"])
+        assert "warning" in capsys.readouterr().err
+
+    def test_module_runs(self):
+        out = subprocess.run(
+            [sys.executable, "-m", "frontal_biped", "robots"], capture_output=True, text=True, check=True
+        ).stdout
+        assert "frontal_biped_low_torso" in out
+
+
+def one_line(capsys) -> str:
+    err = capsys.readouterr().err
+    lines = err.strip().splitlines()
+    assert len(lines) == 1, err
+    assert "Traceback" not in err
+    return lines[0]
+
+
+BAD_ROBOTS = {
+    "missing URDF": ({"toml": [('"frontal_biped.urdf"', '"absent.urdf"')]}, "absent.urdf.*no such URDF"),
+    "broken XML": ({"urdf": [("</robot>", "")]}, "not well-formed XML"),
+    "absent joint": ({"toml": [('= "left_hip"', '= "left_hop"')]}, "no movable joint 'left_hop'.*'left_hip'"),
+    "non-planar axis": ({"urdf": [('<axis xyz="1 0 0"/>', '<axis xyz="0 1 0"/>')]}, "90 degrees off world X.*HR2"),
+    "tilted axis": ({"urdf": [('<axis xyz="1 0 0"/>', '<axis xyz="1 0.02 0"/>')]}, "degrees off world X.*HR2"),
+    "unequal legs": (
+        {"urdf": [('name="right_leg">\n    <inertial>\n      <origin xyz="0 0 -0.16"',
+                   'name="right_leg">\n    <inertial>\n      <origin xyz="0 0 -0.20"')]},
+        "not mirror images.*HR3",
+    ),
+    "swapped sides": (
+        {"toml": [('left_hip = "left_hip"', 'left_hip = "right_hip"'), ('right_hip = "right_hip"', 'right_hip = "left_hip"'),
+                  ('left_ankle = "left_ankle"', 'left_ankle = "right_ankle"'),
+                  ('right_ankle = "right_ankle"', 'right_ankle = "left_ankle"')]},
+        "swap the joint names.*HR3",
+    ),
+    "continuous joint": ({"urdf": [('type="revolute"', 'type="continuous"')]}, "not an ideal revolute joint.*HR1"),
+    "no actuator": ({"urdf": [('effort="150"', 'effort="0"')]}, "no effort limit.*HR4"),
+    "no sole": ({"toml": [("inner = 0.05", "")]}, "inner is missing.*HR5"),
+    "unknown key": ({"toml": [("[sole]", "[sole]\nouther = 0.05")]}, "unknown key 'outher'.*'outer'"),
+    "wrong type": ({"toml": [("inner = 0.05", 'inner = "wide"')]}, "'wide' is not a finite number"),
+    "NaN": ({"toml": [("inner = 0.05", "inner = nan")]}, "nan is not a finite number"),
+    "NaN mass": ({"urdf": [('mass value="36.0"', 'mass value="nan"')]}, "'nan' is not a finite number"),
+    "negative mass": ({"urdf": [('mass value="36.0"', 'mass value="-36.0"')]}, "mass -36 kg is negative"),
+    "broken TOML": ({"toml": [("[sole]", "[sole")]}, "not valid TOML"),
+}  # fmt: skip
+
+
+class TestBadRobots:
+    @pytest.mark.parametrize("case", BAD_ROBOTS)
+    def test_refused_in_one_line(self, case, tmp_path, capsys):
+        import re
+
+        replacements, pattern = BAD_ROBOTS[case]
+        description = robot_copy(tmp_path, **replacements)
+        output = tmp_path / "out" / "gait.json"
+        assert main(["design", "--robot", str(description), "-o", str(output)]) == 2
+        line = one_line(capsys)
+        assert re.search(pattern, line), line
+        assert not output.parent.exists()
+
+    @pytest.mark.parametrize(
+        ("robot", "pattern"),
+        [
+            ("frontal_bipet", "did you mean 'frontal_biped'"),
+            ("absent.toml", "no such file"),
+            ("absent.urdf", "no such URDF file"),
+            ("/", "neither a description"),
+        ],
+    )
+    def test_unknown_robots(self, robot, pattern, capsys):
+        assert main(["design", "--robot", robot]) == 2
+        assert pattern in one_line(capsys)
+
+    def test_urdf_without_description(self, tmp_path, capsys):
+        shutil.copy(models_dir() / "frontal_biped.urdf", tmp_path / "mine.urdf")
+        assert main(["design", "--robot", str(tmp_path / "mine.urdf")]) == 2
+        assert "needs a description mine.toml beside it" in one_line(capsys)
+
+
+BAD_SPECIFICATIONS = {
+    "unknown key": ("frictoin = 0.5", "unknown key 'frictoin'.*'friction'"),
+    "wrong type": ('friction = "high"', "friction: 'high' is not a finite number"),
+    "NaN": ("swing_clearance = nan", "swing_clearance: nan is not a finite number"),
+    "boolean": ("friction = true", "True is not a finite number"),
+    "negative": ("touchdown_speed = -0.1", "touchdown_speed = -0.1 must not be negative"),
+    "reversed range": ("step_width = [0.3, 0.2]", r"step_width = \[0.3, 0.2\] is not a range"),
+    "wrong length": ("max_torque = [1.0, 2.0]", "max_torque.*list of 4 numbers"),
+    "fractional degree": ("degree = 5.5", "degree = 5.5 is not a whole number"),
+    "degrees for radians": ("max_pelvis_roll = 5", "max_pelvis_roll = 5 rad is not in"),
+    "broken TOML": ("degree = = 5", "not valid TOML"),
+}
+
+
+class TestBadSpecifications:
+    @pytest.mark.parametrize("case", BAD_SPECIFICATIONS)
+    def test_refused_in_one_line(self, case, tmp_path, capsys):
+        import re
+
+        text, pattern = BAD_SPECIFICATIONS[case]
+        spec, output = tmp_path / "spec.toml", tmp_path / "gait.json"
+        spec.write_text(text + "\n")
+        assert main(["design", "--spec", str(spec), "-o", str(output)]) == 2
+        line = one_line(capsys)
+        assert re.search(pattern, line), line
+        assert "spec.toml" in line
+        assert not output.exists()
+
+    def test_missing_file(self, capsys):
+        assert main(["design", "--spec", "absent.toml"]) == 2
+        assert "absent.toml: no such file" in one_line(capsys)
+
+    def test_infeasible_says_what_is_in_the_way(self, tmp_path, capsys):
+        spec, output = tmp_path / "spec.toml", tmp_path / "out" / "gait.json"
+        spec.write_text("step_duration = [0.01, 0.02]\n")
+        assert main(["design", "--spec", str(spec), "-o", str(output)]) == 1
+        line = one_line(capsys)
+        assert "C0" in line
+        assert "relax" in line
+        assert not output.parent.exists()
+
+    def test_unreachable_step_width(self, tmp_path, capsys):
+        spec = tmp_path / "spec.toml"
+        spec.write_text("step_width = [2.5, 2.6]\n")
+        assert main(["design", "--spec", str(spec)]) in (1, 2)
+        assert "step_width" in one_line(capsys)
+
+
+def _edited(gait_file: Path, folder: Path, edit) -> Path:
+    table = json.loads(gait_file.read_text())
+    edit(table)
+    path = folder / "bad.json"
+    path.write_text(json.dumps(table))
+    return path
+
+
+BAD_GAITS = {
+    "wrong Bezier shape": (lambda g: g["rising"]["joint_bezier"].pop(), r"rising.joint_bezier has shape \(2, 6\)"),
+    "ragged Bezier": (lambda g: g["rising"]["joint_bezier"][0].pop(), "rising.joint_bezier is not an array"),
+    "NaN": (lambda g: g["falling"]["fri_bezier"].__setitem__(0, float("nan")), "not finite"),
+    "text for number": (lambda g: g.__setitem__("step_width", "wide"), "step_width = 'wide' is not a finite number"),
+    "unknown field": (lambda g: g.__setitem__("stepwidth", 0.3), "unknown field 'stepwidth'"),
+    "missing field": (lambda g: g.pop("orbit"), "'orbit' is missing"),
+    "other format": (lambda g: g.__setitem__("format", "x"), "not a gait file"),
+    "other version": (lambda g: g.__setitem__("version", 99), '"version" is 99'),
+    "rising downwards": (lambda g: g["rising"].__setitem__("beta_end", -2.0), "beta_start must be below beta_end"),
+}
+
+
+class TestBadFiles:
+    @pytest.mark.parametrize("command", ["analyze", "simulate", "view", "plot"])
+    @pytest.mark.parametrize("case", BAD_GAITS)
+    def test_gait_refused_in_one_line(self, case, command, gait_file, tmp_path, capsys):
+        import re
+
+        edit, pattern = BAD_GAITS[case]
+        path = _edited(gait_file, tmp_path, edit)
+        arguments = {"view": ["--html", str(tmp_path / "page.html")], "plot": ["-o", str(tmp_path / "figures")]}
+        assert main([command, str(path), *arguments.get(command, [])]) == 2
+        line = one_line(capsys)
+        assert re.search(pattern, line), line
+        assert "bad.json" in line
+        assert [p.name for p in tmp_path.iterdir()] == ["bad.json"]
+
+    @pytest.mark.parametrize("keep", [0, 1, 100, 1500])
+    def test_truncated_gait(self, keep, gait_file, tmp_path, capsys):
+        path = tmp_path / "cut.json"
+        path.write_bytes(gait_file.read_bytes()[:keep])
+        assert main(["analyze", str(path)]) == 2
+        assert "not valid JSON" in one_line(capsys)
+
+    def test_missing_files(self, tmp_path, capsys):
+        for arguments in (["analyze", "absent.json"], ["simulate", "absent.json"], ["plot", "absent.npz"]):
+            assert main(arguments) == 2
+            assert "absent" in one_line(capsys)
+
+    def test_unknown_robot_in_gait(self, gait_file, tmp_path, capsys):
+        path = _edited(gait_file, tmp_path, lambda g: g["robot"].__setitem__("name", "other_biped"))
+        assert main(["analyze", str(path)]) == 2
+        assert "name it with --robot" in one_line(capsys)
+
+    def test_output_that_cannot_be_written_is_refused_before_the_work(self, gait_file, tmp_path, capsys):
+        blocker = tmp_path / "file"
+        blocker.write_text("")
+        for arguments in (
+            ["design", "-o", str(blocker / "gait.json")],
+            ["simulate", str(gait_file), "-o", str(blocker / "run.npz")],
+            ["design", "-o", str(tmp_path)],
+            ["demo", "--out", str(blocker)],
+        ):
+            began = time.perf_counter()
+            assert main(arguments) == 2
+            assert str(tmp_path) in one_line(capsys)
+            assert time.perf_counter() - began < 1.0
+        assert [p.name for p in tmp_path.iterdir()] == ["file"]
+
+    @pytest.mark.parametrize(
+        "arguments",
+        [["simulate", "g.json", "--steps", "0"], ["simulate", "g.json", "--rate", "nan"], ["dance"], ["design", "--nope"]],
+    )
+    def test_usage_errors(self, arguments, capsys):
+        assert main(arguments) == 2
+        assert "error" in capsys.readouterr().err
+
+    def test_debug_shows_the_traceback(self):
+        from frontal_biped.exceptions import GaitFileError
+
+        with pytest.raises(GaitFileError):
+            main(["analyze", "absent.json", "--debug"])
+
+    def test_reader_that_goes_away_is_no_traceback(self, gait_file):
+        read, write = os.pipe()
+        os.close(read)
+        process = subprocess.run(
+            [sys.executable, "-m", "frontal_biped", "robots"], stdout=write, stderr=subprocess.PIPE, text=True, check=False
+        )
+        os.close(write)
+        assert "Traceback" not in process.stderr
