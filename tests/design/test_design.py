@@ -1,0 +1,223 @@
+"""Designed gaits: what they cost, what they satisfy on a dense grid, and what is said where none exists."""
+
+import numpy as np
+import pytest
+
+from frontal_biped.design import GaitSpecification, check_constraints, design_gait
+from frontal_biped.design.optimise import OPTIMISER_NODES
+from frontal_biped.design.report import DENSE_POINTS
+from frontal_biped.exceptions import UnreachablePoseError
+from frontal_biped.poincare import step_orbit
+from frontal_biped.zero_dynamics import phase_orbit, resample
+
+REFERENCE_COST = 210.5
+"""J of the default specification that the default start must reach [N^2 m s]; local minima nearby cost 215 and more."""
+
+LEVEL_COST = 406.0
+"""The same with the pelvis level to five degrees [N^2 m s]."""
+
+RESIDUAL = 1e-9
+"""What a gait may be off from being one."""
+
+CODES = [f"C{i:02}" for i in range(1, 10)]
+
+
+@pytest.fixture(params=["reference_design", "level_design"])
+def result(request):
+    return request.getfixturevalue(request.param)
+
+
+class TestDesignedGait:
+    def test_reference_cost(self, reference_design):
+        assert reference_design.success, reference_design.message
+        assert reference_design.gait.orbit.cost <= REFERENCE_COST
+
+    def test_level_cost(self, level_design):
+        assert level_design.success, level_design.message
+        assert level_design.gait.orbit.cost <= LEVEL_COST
+
+    def test_everything_is_satisfied(self, result):
+        assert result.report.satisfied
+        assert result.report.violated == ()
+        assert "\n" not in result.message
+
+    def test_residuals(self, biped, result):
+        residuals = result.gait.residuals(biped)
+        assert max(residuals.values()) < RESIDUAL, residuals
+        assert result.gait.provenance["residuals"] == residuals
+
+    def test_every_constraint_of_the_paper_is_reported(self, result):
+        codes = [check.code for check in result.report.checks]
+        assert [code for code in CODES if code not in codes] == []
+        assert codes[: len(codes)] == sorted(codes)
+
+    def test_grid_is_dense(self, result):
+        assert result.report.points == DENSE_POINTS
+        assert DENSE_POINTS >= 20 * OPTIMISER_NODES
+
+    def test_report_as_text_and_data(self, result):
+        data = result.report.as_dict()
+        assert data["satisfied"] is True
+        assert len(data["checks"]) == len(result.report.checks)
+        text = str(result.report)
+        assert "VIOLATED" not in text
+        for code in CODES:
+            assert code in text
+
+    def test_specification_travels_with_the_gait(self, result):
+        specification = GaitSpecification.from_dict(dict(result.gait.specification))
+        expected = 0.0 if specification.max_pelvis_roll is None else np.radians(5.0)
+        assert (specification.max_pelvis_roll or 0.0) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("direction", [+1, -1])
+def test_constraints_by_hand_on_a_random_grid(biped, level_design, direction):
+    """C05, C06 and the pelvis, from positions and inverse dynamics at points no grid contains."""
+    gait = level_design.gait
+    spec = GaitSpecification.from_dict(dict(gait.specification))
+    phase = gait.rising if direction > 0 else gait.falling
+    tau = np.sort(np.random.default_rng(direction + 1).uniform(0.0, 1.0, 200))
+    orbit = resample(biped, phase, phase_orbit(biped, phase, direction, 40), tau)
+    # a constraint may dip between two points of the dense grid by the square of their distance
+    dip = 1e-5
+    for i in range(tau.size):
+        q, dq = orbit.motion.q[i], orbit.motion.dq[i] * orbit.dbeta[i]
+        ddq = orbit.motion.ddq[i] * orbit.dbeta[i] ** 2 + orbit.motion.dq[i] * orbit.ddbeta[i]
+        F_h, F_v, N_0, *u = biped.inverse_dynamics(q, dq, ddq)
+        assert F_v >= spec.min_normal_force * biped.weight - dip
+        assert abs(F_h) <= spec.friction * F_v + dip
+        assert biped.sole[0] + spec.fri_margin - dip <= N_0 / F_v <= biped.sole[1] - spec.fri_margin + dip
+        assert np.all(np.abs(u) <= biped.max_torque + dip)
+        assert abs(biped.pelvis_roll(q)) <= spec.max_pelvis_roll + dip
+        assert np.all(biped.swing_sole(q)[:, 1] >= spec.swing_clearance * (1.0 - tau[i] ** 2) - dip)
+
+
+def test_impact_constraints_by_hand(biped, reference_design):
+    """C04, C07 and C08 from the full impact at the state before it."""
+    from frontal_biped.model import impact
+
+    gait = reference_design.gait
+    spec = GaitSpecification.from_dict(dict(gait.specification))
+    orbit = phase_orbit(biped, gait.falling, -1, 40)
+    q, dq = orbit.motion.q[-1], orbit.motion.dq[-1] * orbit.dbeta[-1]
+    rounding = 1e-8
+    descent = -biped.swing_sole_jacobian(q)[:, 1] @ dq
+    assert np.all(descent >= spec.touchdown_speed - rounding)
+    landing = impact(biped, q, dq)
+    L_h, L_v, moment = landing.impulse
+    assert L_v > 0.0
+    assert abs(L_h) <= spec.friction * L_v
+    assert -biped.sole[1] <= moment / L_v <= -biped.sole[0]
+    assert np.all(landing.lift_off >= -rounding)
+
+
+def check_of(report, code, word=""):
+    return [check for check in report.checks if check.code == code and word in check.name]
+
+
+@pytest.mark.parametrize(
+    ("code", "word", "change"),
+    [
+        ("C02", "range of beta, rising", {"min_phase_range": 0.1}),
+        ("C04", "touchdown", {"touchdown_speed": 1.0}),
+        ("C05", "sole height", {"swing_clearance": 0.2}),
+        ("C06", "F_v", {"min_normal_force": 1.5}),
+        ("C06", "F_h / F_v", {"friction": 0.01}),
+        ("C06", "FRI", {"fri_margin": 0.049}),
+        ("C06", "torque u_2", {"max_torque": (150.0, 10.0, 150.0, 150.0)}),
+        ("C07", "L_h / L_v", {"friction": 0.001}),
+        ("C09", "duration", {"step_duration": (0.1, 0.2)}),
+        ("C09", "width", {"step_width": (0.5, 0.6)}),
+        ("max_pelvis_roll", "pelvis", {"max_pelvis_roll": 0.001}),
+    ],
+)
+def test_report_finds_a_violation(biped, reference_design, code, word, change):
+    """The same gait under a harder bound: exactly that constraint is named, with a negative margin."""
+    gait = reference_design.gait
+    step = gait.step(biped, 40)
+    report = check_constraints(biped, GaitSpecification(**change), gait.rising, gait.falling, step)
+    assert not report.satisfied
+    broken = [check for check in report.violated if check.code == code and word in check.name]
+    assert broken, [check.name for check in report.violated]
+    assert all(check.margin < 0.0 for check in broken)
+    assert "VIOLATED" in str(report)
+
+
+def test_dense_grid_and_coarse_grid_agree(biped, reference_design):
+    gait = reference_design.gait
+    spec = GaitSpecification.from_dict(dict(gait.specification))
+    step = gait.step(biped, 40)
+    coarse = check_constraints(biped, spec, gait.rising, gait.falling, step, points=161)
+    for dense, rough in zip(reference_design.report.checks, coarse.checks, strict=True):
+        assert dense.name == rough.name
+        assert dense.margin <= rough.margin + 1e-9  # a finer grid contains the coarser one
+        assert dense.margin == pytest.approx(rough.margin, abs=1e-2 * max(1.0, abs(dense.bound)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["low_torso", "raised_ankle"])
+def test_other_robots_can_be_designed_for(request, name):
+    robot = request.getfixturevalue(name)
+    seen = []
+    result = design_gait(robot, GaitSpecification(), on_progress=lambda *row: seen.append(row))
+    assert result.success, result.message
+    assert result.report.satisfied
+    iterations, costs, violations = zip(*seen, strict=True)
+    assert list(iterations) == sorted(iterations) and iterations[-1] <= result.iterations
+    assert costs[-1] == pytest.approx(result.gait.orbit.cost, rel=1e-3)
+    assert violations[-1] < 1e-6
+    residuals = result.gait.residuals(robot)
+    assert max(residuals.values()) < RESIDUAL, residuals
+    assert 0.0 < result.gait.orbit.multiplier < 1.0
+
+
+@pytest.mark.slow
+def test_infeasible_specification_is_a_result_not_an_exception(biped):
+    """A step of twenty milliseconds: no gait, and a message that names a constraint."""
+    assert_refused(design_gait(biped, GaitSpecification(step_duration=(0.01, 0.02))))
+
+
+def test_sole_too_short_for_its_margins(biped):
+    """Margins of 0.06 m at both ends of a sole of 0.1 m leave no room for the FRI."""
+    result = design_gait(biped, GaitSpecification(fri_margin=0.06))
+    assert_refused(result)
+    assert "C06 FRI in the sole" in result.message
+
+
+def assert_refused(result):
+    assert not result.success
+    assert result.gait is None
+    assert result.report is None or not result.report.satisfied
+    assert any(code in result.message for code in CODES), result.message
+    assert "\n" not in result.message
+
+
+def test_unreachable_width_raises(biped):
+    with pytest.raises(UnreachablePoseError, match="step_width"):
+        design_gait(biped, GaitSpecification(step_width=(3.0, 4.0)))
+
+
+def test_design_can_start_from_a_gait(biped, reference_design):
+    """From its own answer the optimiser stays there."""
+    from frontal_biped.design.problem import DesignProblem
+    from frontal_biped.virtual_constraints import FreeParameters
+
+    gait = reference_design.gait
+    rising, falling = gait.rising, gait.falling
+    problem = DesignProblem(biped, GaitSpecification(), OPTIMISER_NODES)
+    start = problem.pack(
+        FreeParameters(
+            rising.beta_end, falling.beta_end, gait.step_width,
+            rising.joint_bezier[:, 2:], falling.joint_bezier[:, 2:-1], rising.fri_bezier, falling.fri_bezier[1:],
+        )
+    )  # fmt: skip
+    result = design_gait(biped, GaitSpecification(), start=start)
+    assert result.success, result.message
+    assert result.gait.orbit.cost <= gait.orbit.cost * (1.0 + 1e-4)
+
+
+def test_step_of_the_gait_is_the_planned_one(biped, reference_design):
+    gait = reference_design.gait
+    step = step_orbit(biped, gait.rising, gait.falling, gait.step_width, 40)
+    assert step.cost == pytest.approx(gait.orbit.cost, rel=1e-10)
+    assert step.duration == pytest.approx(gait.orbit.step_duration, rel=1e-10)
