@@ -20,9 +20,7 @@ settings.load_profile("physics")
 ROBOTS = ("table1", "table1_low_torso", "raised_ankle")
 """Robots of data/independent_values.json: Table I, its literal torso, one with raised and offset feet."""
 
-_INDEPENDENT = json.loads(
-    (Path(__file__).parent / "data" / "independent_values.json").read_text(encoding="utf-8")
-)
+_INDEPENDENT = json.loads((Path(__file__).parent / "data" / "independent_values.json").read_text(encoding="utf-8"))
 
 
 @pytest.fixture(scope="session")
@@ -48,9 +46,7 @@ def raised_ankle(tmp_path_factory: pytest.TempPathFactory, independent: Mapping[
 
 
 @pytest.fixture(scope="session")
-def robots(
-    biped: FrontalBiped, low_torso: FrontalBiped, raised_ankle: FrontalBiped
-) -> Mapping[str, FrontalBiped]:
+def robots(biped: FrontalBiped, low_torso: FrontalBiped, raised_ankle: FrontalBiped) -> Mapping[str, FrontalBiped]:
     """The three robots under the names of the independent numbers."""
     return dict(zip(ROBOTS, (biped, low_torso, raised_ankle), strict=True))
 

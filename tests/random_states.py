@@ -40,14 +40,10 @@ def difference(
     return (np.asarray(function(at + step)) - np.asarray(function(at - step))) / (2.0 * step)
 
 
-def assert_close(
-    actual: npt.ArrayLike, expected: npt.ArrayLike, tolerance: float, floor: float = 0.0
-) -> None:
+def assert_close(actual: npt.ArrayLike, expected: npt.ArrayLike, tolerance: float, floor: float = 0.0) -> None:
     """Largest difference is within the tolerance of the largest expected entry (at least ``floor``)."""
     actual, expected = np.asarray(actual, dtype=float), np.asarray(expected, dtype=float)
     assert actual.shape == expected.shape
     size = max(float(np.max(np.abs(expected), initial=0.0)), floor)
     error = float(np.max(np.abs(actual - expected), initial=0.0))
-    assert error <= tolerance * size, (
-        f"error {error:.3g} against {expected} exceeds {tolerance:g} of {size:.3g}"
-    )
+    assert error <= tolerance * size, f"error {error:.3g} against {expected} exceeds {tolerance:g} of {size:.3g}"

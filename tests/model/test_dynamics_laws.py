@@ -75,9 +75,7 @@ def test_forward_and_inverse_dynamics_agree(robot, q, dq, ddq):
 
 @given(q=angles, dq=rates)
 def test_momentum_is_mass_times_velocity_of_the_centre_of_mass(robot, q, dq):
-    assert_close(
-        robot.com_velocity(q, dq), difference(lambda t: robot.com(q + t * dq)), DIFFERENCE_TOLERANCE, 1.0
-    )
+    assert_close(robot.com_velocity(q, dq), difference(lambda t: robot.com(q + t * dq)), DIFFERENCE_TOLERANCE, 1.0)
 
 
 @given(q=angles, dq=rates, ddq=accelerations)

@@ -153,6 +153,4 @@ def test_inputs_are_left_alone(biped, dq):
 def test_centre_of_pressure(robot, pose, dq):
     landing = impact(robot, double_support_pose(robot, *pose), dq)
     if abs(landing.impulse[1]) > 1e-6:
-        assert landing.center_of_pressure * landing.impulse[1] == pytest.approx(
-            landing.impulse[2], rel=ROUNDING
-        )
+        assert landing.center_of_pressure * landing.impulse[1] == pytest.approx(landing.impulse[2], rel=ROUNDING)

@@ -63,9 +63,7 @@ def test_impact(robot, robot_name, independent, index):
     assert np.array_equal(landing.q_plus, relabel(row["q_minus"]))
     assert_close(landing.dq_plus, row["dq_plus_relabelled"], INDEPENDENT_TOLERANCE)
     assert_close(landing.impulse, row["impulse_h_v_moment_at_sole_below_ankle"], INDEPENDENT_TOLERANCE)
-    assert_close(
-        landing.lift_off, row["old_stance_sole_vertical_velocity_inner_outer"], INDEPENDENT_TOLERANCE
-    )
+    assert_close(landing.lift_off, row["old_stance_sole_vertical_velocity_inner_outer"], INDEPENDENT_TOLERANCE)
 
 
 def test_parameters_of_the_packaged_robot(biped, independent):

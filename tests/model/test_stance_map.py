@@ -62,9 +62,7 @@ def test_pinned_mass_matrix_is_the_3d_one_with_the_stance_foot_held(robot, stanc
     full, ankle = configuration_3d(robot, q, stance)
     N = stance_foot_projection(robot, stance, full, ankle)
     outside = [i for i in range(10) if i not in PLANE]
-    assert_close(
-        N[outside], np.zeros((3, 4)), REDUCTION_TOLERANCE, floor=1.0
-    )  # the motion stays in the plane
+    assert_close(N[outside], np.zeros((3, 4)), REDUCTION_TOLERANCE, floor=1.0)  # the motion stays in the plane
     M = pin.crba(robot.spatial_model, robot.spatial_model.createData(), full)
     M = np.triu(M) + np.triu(M, 1).T
     in_plane = N[PLANE]
@@ -80,9 +78,7 @@ def test_pinned_gravity_and_energy_are_the_3d_ones(robot, stance, q, dq):
     gravity = pin.computeGeneralizedGravity(robot.spatial_model, data, full)
     assert_close(N.T @ gravity, robot.G(q), REDUCTION_TOLERANCE, floor=10.0)
     kinetic = pin.computeKineticEnergy(robot.spatial_model, data, full, N @ dq)
-    assert kinetic == pytest.approx(
-        0.5 * dq @ robot.D(q) @ dq, rel=REDUCTION_TOLERANCE, abs=REDUCTION_TOLERANCE
-    )
+    assert kinetic == pytest.approx(0.5 * dq @ robot.D(q) @ dq, rel=REDUCTION_TOLERANCE, abs=REDUCTION_TOLERANCE)
 
 
 @stances
@@ -157,9 +153,7 @@ def test_changing_the_stance_foot_is_relabelling(robot, q_urdf):
 
 @stances
 def test_zero_urdf_configuration_is_upright(biped, stance):
-    assert_close(
-        biped.stance_map.positions_to_stance(np.zeros(4), stance), np.full(4, UPRIGHT), REDUCTION_TOLERANCE
-    )
+    assert_close(biped.stance_map.positions_to_stance(np.zeros(4), stance), np.full(4, UPRIGHT), REDUCTION_TOLERANCE)
 
 
 @stances
