@@ -26,6 +26,7 @@ CONTROL_PERIOD = 1e-3  # [s]
 COMPARED_PERIODS = (4e-3, 2e-3, 1e-3)  # [s], for the order of the sampling error
 COMPARED_STEPS = 3
 SPEED_ERRORS = (+0.001, -0.001)
+SPEED_ERROR_STEPS = 4  # the decay by the multiplier shows after a few
 
 Say = Callable[[str], None]
 
@@ -171,7 +172,8 @@ def make_demo(biped: FrontalBiped, folder: Path, on_progress: Say | None = None)
         report, run, gait = _compute(biped, folder, say, seconds)
         say("drawing figures and page")
         began = time.perf_counter()
-        made = Path(scratch)
+        made = Path(scratch) / "demo"  # with the usual permissions; those of the scratch folder are private
+        made.mkdir()
         save_gait(gait, made / "gait.json")
         save_trajectory(run, made / "run.npz")
         _draw(biped, gait, run, report, made)
@@ -209,7 +211,7 @@ def _compute(
     with timed("multiplier"):
         multiplier = simulated_multiplier(biped, gait)
     with timed("sensitivity"):
-        outcomes = tuple(speed_error_outcome(biped, gait, error, steps=10) for error in SPEED_ERRORS)
+        outcomes = tuple(speed_error_outcome(biped, gait, error, steps=SPEED_ERROR_STEPS) for error in SPEED_ERRORS)
     periods = np.log([run.period for run in compared])
     errors = np.log([run.worst_output_error for run in compared])
     states = run.post_impact_states()

@@ -16,6 +16,7 @@ from frontal_biped.arrays import FloatArray
 UNBOUNDED = 1e20  # ProxQP's infinity
 DEFAULT_ACCURACY = 1e-9  # ProxQP's own default is too loose to rest a bound on
 DEFAULT_MAX_ITERATIONS = 200
+INFEASIBILITY = 1e-12  # tolerance of the infeasibility certificates
 
 
 class QuadraticProgram(NamedTuple):
@@ -127,6 +128,12 @@ class ProxQpSolver:
         solver.settings.eps_abs = self.accuracy
         solver.settings.eps_rel = 0.0
         solver.settings.max_iter = self.max_iterations
+        solver.settings.check_duality_gap = True
+        solver.settings.eps_duality_gap_abs = self.accuracy
+        solver.settings.eps_duality_gap_rel = 0.0
+        # the default of 1e-4 calls feasible programs infeasible
+        solver.settings.eps_primal_inf = INFEASIBILITY
+        solver.settings.eps_dual_inf = INFEASIBILITY
         solver.settings.initial_guess = proxqp.InitialGuess.EQUALITY_CONSTRAINED_INITIAL_GUESS
         solver.init(*qp)
         self._solver, self._shape = solver, shape

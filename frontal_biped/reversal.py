@@ -61,7 +61,8 @@ def marginal_condition(
 
     def Z(beta: float) -> float:
         try:
-            step = step_orbit(biped, rising, falling, step_width, nodes, beta)
+            with np.errstate(over="ignore", invalid="ignore"):  # beyond a zero of I_P: found just below
+                step = step_orbit(biped, rising, falling, step_width, nodes, beta)
         except ReversalError:
             return float("nan")
         if np.any(step.rising.restricted.I_P <= 0.0) or np.any(step.falling.restricted.I_P <= 0.0):

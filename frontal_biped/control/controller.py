@@ -28,7 +28,7 @@ class ControllerSettings:
     friction: float = 0.6
     min_normal_force: float = 0.1
     accuracy: float = 1e-9
-    max_iterations: int = 100
+    max_iterations: int = 200
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
+from scipy.linalg.lapack import dgesv
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import BASE, FrontalBiped
@@ -79,41 +80,39 @@ class WalkingQp:
         self.biped = biped
         self.limits = limits
         T_0, F_0 = TORQUE_LEVER * biped.weight, biped.weight
+        self._T_0, self._F_0 = T_0, F_0
         self.scale = np.array([1.0] * 4 + [T_0] * 4 + [F_0] * 2)  # of the variables
-        self._row_scale = np.array([T_0] * 4 + [F_0] * 2)  # of the equalities
         self._model = biped.floating
         self._data = biped.floating.createData()
         self._q, self._dq = np.zeros(BASE + 4), np.zeros(BASE + 4)
+        # N_0 / T_0 = moment_row . x + moment_constant
         foot = biped.chain.bodies[0]
-        # N_0 = moment_row . x + moment_constant
-        self._moment_row = np.zeros(VARIABLES)
-        self._moment_row[0] = -biped.chain.armature[0]
-        self._moment_row[4] = 1.0
-        self._moment_row[8] = -biped.ankle_height
-        self._moment_constant = foot.mass * GRAVITY * float(foot.com[0])
-        self._task = np.zeros((4, VARIABLES))  # outputs and FRI: residual = task x - goal
-        self._task[:3, 1:4] = np.eye(3)
+        moment_row = np.zeros(VARIABLES)
+        moment_row[0] = -biped.chain.armature[0] / T_0
+        moment_row[4] = 1.0
+        moment_row[8] = -biped.ankle_height * F_0 / T_0
+        moment_constant = foot.mass * GRAVITY * float(foot.com[0]) / T_0
+        # outputs and FRI: residual = task x - goal
+        self._task = np.zeros((4, VARIABLES))
+        self._task[:3, 1:4] = np.eye(3) / OUTPUT_ACCELERATION
+        self._task[3] = moment_row
         self._goal = np.zeros(4)
-        self._task_scale = np.array([OUTPUT_ACCELERATION] * 3 + [T_0])
-        self._A = np.zeros((6, VARIABLES))
-        self._A[:4, U] = np.eye(4)
-        self._A[4:, FORCE] = np.eye(2)
-        self._b = np.zeros(6)
+        self._goal[3] = -moment_constant
+        # x = T ddq + t solves the equalities
         self._T, self._t = np.eye(VARIABLES, 4), np.zeros(VARIABLES)
+        A = np.zeros((6, VARIABLES))
+        A[:, 4:] = np.eye(6)
         C = np.zeros((9, VARIABLES))
         C[0, 8:], C[1, 8:] = (1.0, limits.friction), (-1.0, limits.friction)
-        C[2], C[3] = self._moment_row, -self._moment_row
-        C[2, 9] -= limits.fri_outer
-        C[3, 9] += limits.fri_inner
+        C[2], C[3] = moment_row, -moment_row
+        C[2, 9] -= limits.fri_outer * F_0 / T_0
+        C[3, 9] += limits.fri_inner * F_0 / T_0
         C[4, 9] = 1.0
         C[5:, U] = np.eye(4)
-        moment = self._moment_constant
-        l = np.concatenate([[0.0, 0.0, -moment, moment, limits.min_normal_force], -limits.max_torque])
-        u = np.concatenate([np.full(5, UNBOUNDED), limits.max_torque])
-        rows = np.array([F_0, F_0, T_0, T_0, F_0] + [T_0] * 4)
-        H, g = np.zeros((VARIABLES, VARIABLES)), np.zeros(VARIABLES)
-        A, b = np.zeros_like(self._A), np.zeros(6)
-        self.program = QuadraticProgram(H, g, A, b, C * self.scale / rows[:, None], l / rows, u / rows)
+        torque = limits.max_torque / T_0
+        l = np.concatenate([[0.0, 0.0, -moment_constant, moment_constant, limits.min_normal_force / F_0], -torque])
+        u = np.concatenate([np.full(5, UNBOUNDED), torque])
+        self.program = QuadraticProgram(np.zeros((VARIABLES, VARIABLES)), np.zeros(VARIABLES), A, np.zeros(6), C, l, u)
 
     def build(self, q: FloatArray, dq: FloatArray, targets: Targets) -> QuadraticProgram:
         """The program at the state q (4,) [rad], dq (4,) [rad/s]; its arrays are reused by the next call.
@@ -123,25 +122,20 @@ class WalkingQp:
         self._q[BASE:], self._dq[BASE:] = q, dq
         M = pin.crba(self._model, self._data, self._q)
         bias = pin.nonLinearEffects(self._model, self._data, self._q, self._dq)
-        upper = M[:, BASE:]
-        np.negative(upper[BASE:], out=self._A[:4, DDQ])
-        np.negative(upper[:2], out=self._A[4:, DDQ])
-        self._b[:4], self._b[4:] = bias[BASE:], bias[:2]
+        program, T, t = self.program, self._T, self._t
+        np.divide(M[BASE:, BASE:], self._T_0, out=T[U])
+        np.divide(M[:2, BASE:], self._F_0, out=T[FORCE])
+        np.divide(bias[BASE:], self._T_0, out=t[U])
+        np.divide(bias[:2], self._F_0, out=t[FORCE])
+        np.negative(T[4:], out=program.A[:, DDQ])
+        program.b[:] = t[4:]
 
         task, goal = self._task, self._goal
-        task[:3, 0] = -targets.h_d1
-        goal[:3] = targets.ddy + targets.h_d2_dbeta2
-        task[3] = self._moment_row
-        task[3, 9] -= targets.p_fri
-        goal[3] = -self._moment_constant
-
-        program = self.program
-        np.multiply(self._A, self.scale, out=program.A)
-        program.A[...] /= self._row_scale[:, None]
-        np.divide(self._b, self._row_scale, out=program.b)
-        scaled = task * self.scale / self._task_scale[:, None]
-        np.matmul(scaled.T, scaled, out=program.H)
-        np.matmul(-goal / self._task_scale, scaled, out=program.g)
+        np.divide(targets.h_d1, -OUTPUT_ACCELERATION, out=task[:3, 0])
+        task[3, 9] = -targets.p_fri * self._F_0 / self._T_0
+        np.divide(targets.ddy + targets.h_d2_dbeta2, OUTPUT_ACCELERATION, out=goal[:3])
+        np.matmul(task.T, task, out=program.H)
+        np.matmul(task.T, -goal, out=program.g)
         return program
 
     def unconstrained(self) -> FloatArray:
@@ -149,12 +143,11 @@ class WalkingQp:
 
         Eliminating u and F leaves four equations for ddq, singular exactly where I_P = 0 (C03).
         """
-        # x = T ddq + t solves the equalities
-        T, t = self._T, self._t
-        np.negative(self._A[:, DDQ], out=T[4:])
-        t[4:] = self._b
-        ddq = np.linalg.solve(self._task @ T, self._goal - self._task @ t)
-        return np.asarray((T @ ddq + t) / self.scale)
+        # LAPACK's solver itself: four unknowns do not repay the checks around it
+        *_, ddq, singular = dgesv(self._task @ self._T, self._goal - self._task @ self._t)
+        if singular:
+            return np.zeros(VARIABLES)
+        return self._T @ ddq + self._t
 
     def satisfies_limits(self, x: FloatArray) -> bool:
         """Does the scaled x (10,) keep every inequality?"""
