@@ -5,9 +5,12 @@ import pytest
 from random_states import assert_close
 
 from frontal_biped.design import GaitSpecification
+from frontal_biped.design.derivatives import DifferentiableBiped
+from frontal_biped.design.forward_mode import Dual
 from frontal_biped.design.problem import DesignProblem
+from frontal_biped.model import impact
 from frontal_biped.poincare import HybridZeroDynamics, step_orbit
-from frontal_biped.virtual_constraints import complete, invariance_residuals
+from frontal_biped.virtual_constraints import complete, double_support_pose, invariance_residuals
 
 NODES = 16
 """Quadrature nodes of the optimiser."""
@@ -111,6 +114,17 @@ def test_evaluation_is_the_closed_form(problem):
     point = problem.evaluate(x)
     assert point.cost == pytest.approx(step.cost, rel=SAME)
     assert 0.1 * point.equality[0] == pytest.approx(step.periodicity, rel=SAME, abs=1e-12)
+
+
+def test_impact_of_the_optimiser_is_the_impact(robot):
+    """The differentiated impact repeats the formulas of `impact`; their values must not drift apart."""
+    q = double_support_pose(robot, -1.66, 0.27)
+    dq = np.array([-0.5, 0.8, -0.3, 0.4])
+    flat = DifferentiableBiped(robot).impact(Dual(q, np.eye(4)), Dual(dq, np.zeros((4, 4)))).value
+    landing = impact(robot, q, dq)
+    touchdown = robot.swing_sole_jacobian(q)[:, 1] @ dq
+    expected = np.concatenate([landing.dq_plus, landing.impulse, landing.lift_off, touchdown])
+    assert_close(flat, expected, SAME)
 
 
 def test_periodicity_vanishes_where_the_marginal_condition_does(biped, reference_gait):
