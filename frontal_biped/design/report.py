@@ -149,7 +149,7 @@ def _worst(constraint: Constraint) -> ConstraintCheck:
             margins = sign * (values - bound)
             # nan, where the orbit does not exist, is the worst of all
             worst = int(np.argmin(np.where(np.isnan(margins), -np.inf, margins)))
-            candidates.append((float(margins[worst]), float(values[worst]), float(bound)))
+            candidates.append((float(margins[worst]) + 0.0, float(values[worst]), float(bound)))  # + 0.0: no -0
     margin, value, bound = min(candidates, key=lambda row: -np.inf if np.isnan(row[0]) else row[0])
     rounding = ROUNDING * constraint.scale
     satisfied = margin > 0.0 if constraint.strict else margin >= -rounding

@@ -60,8 +60,8 @@ class SimulationSettings:
 
     steps: int = 20
     period: float | None = None
-    rtol: float = 1e-10
-    atol: float = 1e-12
+    rtol: float = 1e-9
+    atol: float = 1e-11
     record_rate: float = 250.0
 
 
