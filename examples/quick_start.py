@@ -11,6 +11,7 @@ from frontal_biped.walking import simulated_multiplier
 
 
 def main(steps: int = 3) -> None:
+    """Design, certify, walk, and print what came out."""
     robot = fb.load_robot("frontal_biped")  # Table I; or the path of your own description
     specification = fb.GaitSpecification(friction=0.6, step_duration=(0.4, 0.8))
 

@@ -136,7 +136,8 @@ BAD_ROBOTS = {
         "not mirror images.*HR3",
     ),
     "swapped sides": (
-        {"toml": [('left_hip = "left_hip"', 'left_hip = "right_hip"'), ('right_hip = "right_hip"', 'right_hip = "left_hip"'),
+        {"toml": [('left_hip = "left_hip"', 'left_hip = "right_hip"'),
+                  ('right_hip = "right_hip"', 'right_hip = "left_hip"'),
                   ('left_ankle = "left_ankle"', 'left_ankle = "right_ankle"'),
                   ('right_ankle = "right_ankle"', 'right_ankle = "left_ankle"')]},
         "swap the joint names.*HR3",
@@ -303,7 +304,12 @@ class TestBadFiles:
 
     @pytest.mark.parametrize(
         "arguments",
-        [["simulate", "g.json", "--steps", "0"], ["simulate", "g.json", "--rate", "nan"], ["dance"], ["design", "--nope"]],
+        [
+            ["simulate", "g.json", "--steps", "0"],
+            ["simulate", "g.json", "--rate", "nan"],
+            ["dance"],
+            ["design", "--nope"],
+        ],
     )
     def test_usage_errors(self, arguments, capsys):
         assert main(arguments) == 2
@@ -319,7 +325,11 @@ class TestBadFiles:
         read, write = os.pipe()
         os.close(read)
         process = subprocess.run(
-            [sys.executable, "-m", "frontal_biped", "robots"], stdout=write, stderr=subprocess.PIPE, text=True, check=False
+            [sys.executable, "-m", "frontal_biped", "robots"],
+            stdout=write,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
         )
         os.close(write)
         assert "Traceback" not in process.stderr

@@ -51,7 +51,9 @@ def test_too_fast_outwards_tips_over(biped, reference_gait):
     from frontal_biped.control import QpController
 
     q, dq = reference_gait.state_after_impact()
-    run = simulate_walk(biped, QpController(biped, reference_gait), q, 6.0 * dq, SimulationSettings(steps=1, period=1e-3))
+    run = simulate_walk(
+        biped, QpController(biped, reference_gait), q, 6.0 * dq, SimulationSettings(steps=1, period=1e-3)
+    )
     assert run.fell
     assert run.steps_completed == 0
 
