@@ -14,6 +14,7 @@ from frontal_biped.exceptions import GaitFileError
 from frontal_biped.files import write_text
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.poincare import HybridZeroDynamics, StepOrbit, step_orbit
+from frontal_biped.toml_fields import as_finite
 from frontal_biped.virtual_constraints.invariance import invariance_residuals
 from frontal_biped.virtual_constraints.phase import Phase
 
@@ -184,7 +185,7 @@ def gait_from_dict(table: Any, where: str) -> Gait:
         raise GaitFileError(
             f'{where}: not a gait file, "format" is not {FORMAT!r}; write one with `frontal-biped design`'
         )
-    if table.get("version") != VERSION:
+    if table.get("version") is not VERSION:
         raise GaitFileError(
             f'{where}: "version" is {table.get("version")!r}, this program reads {VERSION}; design it again'
         )
@@ -260,10 +261,11 @@ class _Reader:
         return str(table[key])
 
     def number(self, table: dict[str, Any], section: str, key: str) -> float:
-        value, name = table.get(key), f"{section}.{key}" if section else key
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            raise GaitFileError(f"{self.where}: {name} = {value!r} is not a finite number")
-        return float(value)
+        name = f"{section}.{key}" if section else key
+        value = as_finite(table.get(key))
+        if value is None:
+            raise GaitFileError(f"{self.where}: {name} = {_short(table.get(key))} is not a finite number")
+        return value
 
     def phase(self, table: dict[str, Any], name: str) -> Phase:
         fields = self.table(table, name, ("beta_start", "beta_end", "joint_bezier", "fri_bezier"))
@@ -278,13 +280,17 @@ class _Reader:
         return Phase(self.number(fields, name, "beta_start"), self.number(fields, name, "beta_end"), joints, fri)
 
     def array(self, table: dict[str, Any], section: str, key: str) -> FloatArray:
+        name = f"{self.where}: {section}.{key}"
         value = table.get(key)
-        try:
-            array = np.array(value, dtype=float) if isinstance(value, list) else None
-        except (TypeError, ValueError):
-            array = None
-        if array is None or array.size == 0:
-            raise GaitFileError(f"{self.where}: {section}.{key} is not an array of numbers with rows of equal length")
-        if not np.all(np.isfinite(array)):
-            raise GaitFileError(f"{self.where}: {section}.{key} holds a number that is not finite")
-        return array
+        rows = value if isinstance(value, list) else []
+        nested = [row if isinstance(row, list) else [row] for row in rows]
+        if not rows or len({(isinstance(row, list), len(flat)) for row, flat in zip(rows, nested, strict=True)}) != 1:
+            raise GaitFileError(f"{name} is not an array of numbers with rows of equal length")
+        for entry in (entry for flat in nested for entry in flat):
+            if as_finite(entry) is None:
+                raise GaitFileError(f"{name} holds {_short(entry)}, which is not a finite number; write plain numbers")
+        return np.array(rows, dtype=float)
+
+
+def _short(value: object) -> str:
+    return repr(value)[:40]

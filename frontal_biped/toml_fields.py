@@ -37,6 +37,18 @@ def reject_unknown_keys(
 
 def finite_number(where: str, value: object, error: type[FrontalBipedError]) -> float:
     """A finite float; booleans and strings are refused."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise error(f"{where}: {value!r} is not a finite number; write for example 0.05")
-    return float(value)
+    number = as_finite(value)
+    if number is None:
+        raise error(f"{where}: {repr(value)[:40]} is not a finite number; write for example 0.05")
+    return number
+
+
+def as_finite(value: object) -> float | None:
+    """The float that a value of a TOML or JSON file is; None if it is no number, or not finite, or too large."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    try:
+        number = float(value)
+    except OverflowError:  # a whole number beyond the largest double
+        return None
+    return number if math.isfinite(number) else None

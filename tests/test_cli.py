@@ -245,7 +245,10 @@ def _edited(gait_file: Path, folder: Path, edit) -> Path:
 BAD_GAITS = {
     "wrong Bezier shape": (lambda g: g["rising"]["joint_bezier"].pop(), r"rising.joint_bezier has shape \(2, 6\)"),
     "ragged Bezier": (lambda g: g["rising"]["joint_bezier"][0].pop(), "rising.joint_bezier is not an array"),
-    "NaN": (lambda g: g["falling"]["fri_bezier"].__setitem__(0, float("nan")), "not finite"),
+    "NaN": (
+        lambda g: g["falling"]["fri_bezier"].__setitem__(0, float("nan")),
+        "fri_bezier holds nan.*not a finite number",
+    ),
     "text for number": (lambda g: g.__setitem__("step_width", "wide"), "step_width = 'wide' is not a finite number"),
     "unknown field": (lambda g: g.__setitem__("stepwidth", 0.3), "unknown field 'stepwidth'"),
     "missing field": (lambda g: g.pop("orbit"), "'orbit' is missing"),

@@ -96,7 +96,7 @@ class DifferentiableBiped:
         select = np.zeros((9, BASE + 4 + 3))
         select[:4, BASE : BASE + 4] = np.eye(4)[::-1]
         select[4:7, BASE + 4 :] = np.eye(3)
-        select[6, BASE + 4] = biped.ankle_height
+        select[6, BASE + 4] = -biped.ankle_height
         select[7:, 1] = 1.0
         select[7:, 2] = inner, outer
         touch_J = biped.swing_sole_jacobian(q_minus.value)[:, 1]

@@ -13,6 +13,7 @@ from frontal_biped.design.problem import DesignProblem
 from frontal_biped.design.report import ROUNDING, ConstraintReport, check_constraints, dense_constraints
 from frontal_biped.design.specification import GaitSpecification
 from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, minimise
+from frontal_biped.exceptions import SpecificationError
 from frontal_biped.gait import Gait, RobotReference, converged_nodes, orbit_numbers
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.poincare import step_orbit
@@ -74,8 +75,14 @@ def design_gait(
 
     Raises:
         UnreachablePoseError: no double support pose exists at the start.
+        SpecificationError: the FRI margin leaves no room in the robot's sole.
     """
     spec = GaitSpecification() if specification is None else specification
+    outer, inner = biped.sole
+    if 2.0 * spec.fri_margin >= inner - outer:
+        raise SpecificationError(
+            f"fri_margin = {spec.fri_margin:g} m leaves no room in a sole of {inner - outer:g} m; reduce it"
+        )
     began = time.perf_counter()
     problem = DesignProblem(biped, spec, OPTIMISER_NODES)
     low, high = problem.bounds()

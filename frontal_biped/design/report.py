@@ -34,6 +34,7 @@ class ConstraintCheck:
         value: at the worst point.
         bound: the nearer bound.
         margin: distance to it, positive inside.
+        scale: a typical size of the quantity.
         satisfied: margin >= 0 but for rounding, or > 0 where the bound itself is excluded.
     """
 
@@ -43,6 +44,7 @@ class ConstraintCheck:
     value: float
     bound: float
     margin: float
+    scale: float
     satisfied: bool
 
 
@@ -65,8 +67,9 @@ class ConstraintReport:
 
     @property
     def violated(self) -> tuple[ConstraintCheck, ...]:
-        """Those that do not."""
-        return tuple(check for check in self.checks if not check.satisfied)
+        """Those that do not, the worst first."""
+        missed = [check for check in self.checks if not check.satisfied]
+        return tuple(sorted(missed, key=lambda check: check.margin / check.scale))
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -113,6 +116,7 @@ def check_constraints(
         flat,
         FLAT_TOLERANCE,
         FLAT_TOLERANCE - flat,
+        FLAT_TOLERANCE,
         flat <= FLAT_TOLERANCE,
     )
     first_c04 = next(i for i, check in enumerate(checks) if check.code == "C04")
@@ -153,4 +157,5 @@ def _worst(constraint: Constraint) -> ConstraintCheck:
     margin, value, bound = min(candidates, key=lambda row: -np.inf if np.isnan(row[0]) else row[0])
     rounding = ROUNDING * constraint.scale
     satisfied = margin > 0.0 if constraint.strict else margin >= -rounding
-    return ConstraintCheck(constraint.code, constraint.name, constraint.unit, value, bound, margin, bool(satisfied))
+    code, name, unit, scale = constraint.code, constraint.name, constraint.unit, constraint.scale
+    return ConstraintCheck(code, name, unit, value, bound, margin, scale, bool(satisfied))

@@ -268,7 +268,7 @@ class _Iteration:
         point, scale = self.point, self.scale
         margins = point.margins + (point.margins_jacobian * scale) @ step
         equality = point.equality + (point.equality_jacobian * scale) @ step
-        violation = max(0.0, float(-np.min(margins)), float(np.max(np.abs(equality))))
+        violation = max(0.0, float(-np.min(margins, initial=0.0)), float(np.max(np.abs(equality), initial=0.0)))
         gradient = self.settings.cost_scale * point.cost_gradient * scale
         quadratic = gradient @ step + 0.5 * step @ self.hessian @ step
         return float(self.settings.cost_scale * point.cost + quadratic + self.penalty * violation)

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from frontal_biped.exceptions import RobotError
+from frontal_biped.exceptions import HypothesisError, RobotError
 from frontal_biped.toml_fields import finite_number, load_toml, reject_unknown_keys
 
 ROLL_JOINTS = ("left_ankle", "left_hip", "right_hip", "right_ankle")
@@ -122,7 +122,7 @@ def _text(path: Path, table: dict[str, Any], section: str, key: str) -> str:
     if key not in table:
         raise RobotError(f'{where} is missing; add {key} = "..."')
     value = table[key]
-    if not isinstance(value, str) or not value:
+    if not isinstance(value, str) or not value or not value.isprintable():
         raise RobotError(f'{where} = {value!r} is not text; write {key} = "..."')
     return value
 
@@ -130,11 +130,12 @@ def _text(path: Path, table: dict[str, Any], section: str, key: str) -> str:
 def _positive(path: Path, table: dict[str, Any], section: str, key: str) -> float:
     where = f"{path}: [{section}] {key}"
     if key not in table:
-        # HR5: a foot of nonzero length is part of the robot, so there is no default
-        raise RobotError(f"{where} is missing; give the extent of the sole in metres (HR5)")
+        # a foot of nonzero length is part of the robot, so there is no default
+        raise HypothesisError("HR5", f"{where} is missing; give the extent of the sole in metres")
     value = finite_number(where, table[key], RobotError)
     if value <= 0.0:
-        raise RobotError(f"{where} = {value:g} must be positive{' (HR5)' if section == 'sole' else ''}")
+        message = f"{where} = {value:g} must be positive; give its true value"
+        raise HypothesisError("HR5", message) if section == "sole" else RobotError(message)
     return value
 
 
@@ -142,5 +143,5 @@ def _not_negative(path: Path, table: dict[str, Any], section: str, key: str) -> 
     where = f"{path}: [{section}] {key}"
     value = finite_number(where, table.get(key, 0.0), RobotError)
     if value < 0.0:
-        raise RobotError(f"{where} = {value:g} must not be negative (HR5)")
+        raise HypothesisError("HR5", f"{where} = {value:g} must not be negative; measure it upwards from the sole")
     return value

@@ -5,6 +5,7 @@ frontal plane; the projection below is therefore exact, not an approximation, on
 """
 
 import difflib
+import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -58,7 +59,12 @@ def reduce_to_frontal_plane(description: RobotDescription, urdf_text: str) -> Fr
             frontal plane (HR1 to HR4).
     """
     where = str(description.path)
-    full = pin.buildModelFromXML(urdf_text, pin.JointModelFreeFlyer())
+    try:
+        full = pin.buildModelFromXML(urdf_text, pin.JointModelFreeFlyer())
+    except (ValueError, RuntimeError) as error:
+        reason = " ".join(str(error).split())
+        raise RobotError(f"{description.urdf}: Pinocchio cannot read it, {reason}; check it with check_urdf") from None
+    _check_actuators(urdf_text, description, where)  # HR4
     full.name = description.name
     model, reference = _lock_other_joints(full, description, where)
     data = model.createData()
@@ -108,6 +114,16 @@ def reduce_to_frontal_plane(description: RobotDescription, urdf_text: str) -> Fr
         ground_z=float(ground),
     )
     return FrontalReduction(chain, stance_map, model, reference)
+
+
+def _check_actuators(urdf_text: str, description: RobotDescription, where: str) -> None:
+    for joint in ElementTree.fromstring(urdf_text).findall("joint"):
+        if joint.get("name") in description.joints.values() and joint.find("mimic") is not None:
+            raise HypothesisError(
+                "HR4",
+                f"{where}: joint {joint.get('name')!r} mimics another; the four roll joints are actuated on their own,"
+                " remove its <mimic>",
+            )
 
 
 def _lock_other_joints(full: pin.Model, description: RobotDescription, where: str) -> tuple[pin.Model, FloatArray]:

@@ -59,8 +59,8 @@ def impact(biped: FrontalBiped, q_minus: FloatArray, dq_minus: FloatArray) -> Im
     J = landing_jacobian(biped, q)
     v_plus = np.array(pin.impulseDynamics(model, data, q, v_minus, J, 0.0, 0.0))
     impulse = np.array(data.impulse_c)
-    # moment about the ankle -> about the sole point h_a below it
-    impulse[2] += biped.ankle_height * impulse[0]
+    # moment about the ankle -> about the sole point h_a below it: (0, h_a) x L = -h_a L_h from the sole's lever
+    impulse[2] -= biped.ankle_height * impulse[0]
     outer, inner = biped.sole
     return Impact(
         q_plus=relabel(q_minus),

@@ -43,6 +43,8 @@ def read_urdf(path: Path) -> str:
         raise RobotError(f"{path}: not well-formed XML, {error}; mend the file there") from None
     if root.tag != "robot":
         raise RobotError(f"{path}: the root element is <{root.tag}>, not <robot>; is this a URDF file?")
+    if not root.get("name"):
+        raise RobotError(f'{path}: the <robot> has no name; write <robot name="...">')
     _check_links(path, root)
     _check_joints(path, root)
     return text
@@ -64,13 +66,15 @@ def _check_links(path: Path, root: ElementTree.Element) -> None:
         mass = _numbers(where, inertial.find("mass"), "value", 1)
         if mass and mass[0] < 0.0:
             raise RobotError(f"{where}: mass {mass[0]:g} kg is negative; give a positive mass")
+        if not mass:
+            raise RobotError(f"{where}: its <inertial> has no <mass value=...>; give one, or drop the <inertial>")
         inertia = inertial.find("inertia")
-        for key in ("ixx", "iyy", "izz"):
+        for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz"):
             moment = _numbers(where, inertia, key, 1)
-            if moment and moment[0] < 0.0:
+            if not moment:  # the parser would drop the whole inertia and say so on the C-level standard error only
+                raise RobotError(f"{where}: its <inertia> has no {key}; give all six, 0 where there is none")
+            if key[1] == key[2] and moment[0] < 0.0:
                 raise RobotError(f"{where}: {key} = {moment[0]:g} kg m^2 is negative; give a positive inertia")
-        for key in ("ixy", "ixz", "iyz"):
-            _numbers(where, inertia, key, 1)
 
 
 def _check_joints(path: Path, root: ElementTree.Element) -> None:
@@ -101,8 +105,15 @@ def _check_joints(path: Path, root: ElementTree.Element) -> None:
         axis = _numbers(where, joint.find("axis"), "xyz", 3)
         if axis and math.hypot(*axis) == 0.0:
             raise RobotError(f"{where}: its axis is zero; give a direction, for a roll joint '1 0 0'")
-        for key in ("lower", "upper", "effort", "velocity"):
-            _numbers(where, joint.find("limit"), key, 1)
+        limit = joint.find("limit")
+        limits = {key: _numbers(where, limit, key, 1) for key in ("lower", "upper", "effort", "velocity")}
+        if joint.get("type") in ("revolute", "prismatic"):
+            for key in ("effort", "velocity"):
+                if not limits[key]:
+                    raise RobotError(f"{where}: its <limit> has no {key}; a {joint.get('type')} joint needs one")
+            low, high = limits["lower"] or [0.0], limits["upper"] or [0.0]
+            if low[0] > high[0]:
+                raise RobotError(f"{where}: lower = {low[0]:g} is above upper = {high[0]:g}; exchange them")
     for link in parent_of:
         seen, at = {link}, parent_of.get(link)
         while at is not None:
