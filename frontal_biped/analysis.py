@@ -13,6 +13,9 @@ from frontal_biped.reversal import ReversalAnalysis, analyse_reversal
 RESIDUAL_BOUND = 1e-9
 """Largest residual of a certified gait: invariance, energy balance, stored orbit, reversal point."""
 
+COMPARED_NODES = (8, 16, 24, 32)
+"""Quadrature nodes a phase whose error is shown beside the one that was used."""
+
 
 @dataclass(frozen=True)
 class GaitAnalysis:
@@ -22,6 +25,7 @@ class GaitAnalysis:
         robot: its name.
         nodes: quadrature nodes a phase.
         quadrature_error: measured by doubling them [-].
+        convergence: the same error for fewer nodes and more, by number of nodes [-].
         delta_r: growth of sigma_a over the rising phase [-].
         delta_f: growth of sigma_a over the falling phase [-].
         delta_z: jump of sigma_a at impact [-].
@@ -41,6 +45,7 @@ class GaitAnalysis:
     robot: str
     nodes: int
     quadrature_error: float
+    convergence: dict[int, float]
     delta_r: float
     delta_f: float
     delta_z: float
@@ -105,8 +110,10 @@ class GaitAnalysis:
             ),
             ("reversal", f"{r.beta:.9f} rad, planned {r.planned:.9f}, in ]{r.bracket[0]:.4f}, {r.bracket[1]:.4f}["),
             ("existence", f"Z changes sign between {r.sign_change[0]:.6f} and {r.sign_change[1]:.6f} rad"),
+            ("sign changes of Z seen", f"{r.sign_changes}, where it is defined: up to {r.defined_to:.6f} rad"),
             ("HIP1, HIP2", f"zeta {r.zeta_residual:.1e} (relative), ddbeta {r.acceleration:.4f} rad/s^2"),
             ("quadrature", f"{self.nodes} nodes a phase, measured error {self.quadrature_error:.1e}"),
+            ("  error by nodes", ", ".join(f"{size}: {error:.1e}" for size, error in self.convergence.items())),
             (
                 "largest residual",
                 f"{max(self.residuals.values()):.1e} ({max(self.residuals, key=lambda k: self.residuals[k])})",
@@ -138,6 +145,9 @@ def analyze(biped: FrontalBiped, gait: Gait, specification: GaitSpecification | 
         robot=biped.name,
         nodes=nodes,
         quadrature_error=quadrature_error(biped, gait.rising, gait.falling, gait.step_width, nodes),
+        convergence={
+            size: quadrature_error(biped, gait.rising, gait.falling, gait.step_width, size) for size in COMPARED_NODES
+        },
         delta_r=hzd.delta_r,
         delta_f=hzd.delta_f,
         delta_z=hzd.delta_z,

@@ -29,7 +29,9 @@ class ReversalAnalysis:
     Attributes:
         bracket: beta_r+ and beta_r^max [rad].
         defined_to: largest scanned beta at which Z is defined: beyond it I_P changes sign [rad].
-        exists: was a change of sign of Z found in the bracket?
+        exists: was a change of sign of Z, from positive to negative, found in the bracket?
+        sign_changes: changes of sign of Z, either way, found on the scanned points; more than one means that the
+            reversal point is not unique, one does not prove that it is.
         beta: the zero nearest to the planned reversal [rad]; nan where none was found.
         planned: beta_r- of the phases [rad].
         sign_change: two values of beta between which Z changes sign [rad]; nan where none was found.
@@ -41,6 +43,7 @@ class ReversalAnalysis:
     bracket: tuple[float, float]
     defined_to: float
     exists: bool
+    sign_changes: int
     beta: float
     planned: float
     sign_change: tuple[float, float]
@@ -129,9 +132,11 @@ def analyse_reversal(
     defined = np.isfinite(values)
     defined_to = float(grid[defined][-1]) if np.any(defined) else float("nan")
     changes = [i for i in range(len(grid) - 1) if defined[i] and defined[i + 1] and values[i] >= 0.0 > values[i + 1]]
+    signs = np.sign(values[defined])
+    sign_changes = int(np.sum(signs[1:] != signs[:-1]))
     if not changes:
         nan = float("nan")
-        return ReversalAnalysis((low, high), defined_to, False, nan, planned, (nan, nan), nan, nan, nan)
+        return ReversalAnalysis((low, high), defined_to, False, sign_changes, nan, planned, (nan, nan), nan, nan, nan)
     nearest = min(changes, key=lambda i: abs(0.5 * (grid[i] + grid[i + 1]) - planned))
     left, right = float(grid[nearest]), float(grid[nearest + 1])
     beta = float(brentq(Z, left, right, xtol=ROOT_TOLERANCE, rtol=4.0 * np.finfo(float).eps))
@@ -143,6 +148,7 @@ def analyse_reversal(
         bracket=(low, high),
         defined_to=defined_to,
         exists=True,
+        sign_changes=sign_changes,
         beta=beta,
         planned=planned,
         sign_change=(left, right),
