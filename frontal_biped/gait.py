@@ -185,7 +185,7 @@ def gait_from_dict(table: Any, where: str) -> Gait:
         raise GaitFileError(
             f'{where}: not a gait file, "format" is not {FORMAT!r}; write one with `frontal-biped design`'
         )
-    if table.get("version") is not VERSION:
+    if isinstance(table.get("version"), bool) or table.get("version") != VERSION:  # JSON's true equals 1 in Python
         raise GaitFileError(
             f'{where}: "version" is {table.get("version")!r}, this program reads {VERSION}; design it again'
         )

@@ -1,7 +1,7 @@
 """Gait, controller and simulator together: walk a gait in the full model, and measure how it takes errors."""
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
@@ -34,7 +34,7 @@ def simulate(
         period: control period [s], a zero-order hold; None: the controller acts in continuous time.
         speed_error: relative error of the first post-impact speed, all joints alike, so that the start stays on Z.
         stance: first stance foot.
-        controller_settings: gains and limits.
+        controller_settings: gains and limits; default: those of the gait's specification.
         simulation_settings: tolerances; ``steps`` and ``period`` above take precedence.
         on_step: called with the number of completed steps.
 
@@ -46,7 +46,7 @@ def simulate(
     controller = QpController(biped, gait, controller_settings)
     q, dq = gait.state_after_impact()
     stored = {**asdict(controller.settings), "speed_error": speed_error}
-    return simulate_walk(
+    run = simulate_walk(
         biped,
         controller,
         q,
@@ -57,6 +57,8 @@ def simulate(
         gait=gait_to_dict(gait),
         controller_settings=stored,
     )
+    counted = {**stored, "ticks": controller.ticks, "unsolved": controller.unsolved}
+    return replace(run, settings={**run.settings, "controller": counted})
 
 
 def simulated_multiplier(biped: FrontalBiped, gait: Gait, relative_step: float = 1e-4) -> float:

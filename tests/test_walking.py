@@ -34,6 +34,11 @@ class TestContinuousControl:
         assert len(states) == STEPS + 1
         assert np.max(np.abs(states - states[0])) < POST_IMPACT_STATE
 
+    def test_every_control_tick_was_solved(self, run):
+        controller = run.settings["controller"]
+        assert controller["ticks"] > 1000
+        assert controller["unsolved"] == 0
+
     def test_outputs_stay_on_the_virtual_constraints(self, run):
         assert np.max(np.abs(run.output_error)) < OUTPUT_CONTINUOUS
 

@@ -208,6 +208,7 @@ def _run_summary(run: Trajectory) -> dict[str, Any]:
         "worst_post_impact_error": float(abs(states - states[0]).max()),
         "largest_torque": float(abs(run.u).max()),
         "least_normal_force": float(run.force[:, 1].min()),
+        "unsolved_ticks": run.settings.get("controller", {}).get("unsolved", 0),
         "settings": dict(run.settings),
     }
 
@@ -220,5 +221,6 @@ def _run_text(run: Trajectory) -> str:
         f"worst output error        {table['worst_output_error']:.3e} rad\n"
         f"worst post-impact change  {table['worst_post_impact_error']:.3e} (rad, rad/s)\n"
         f"largest torque            {table['largest_torque']:.2f} N m\n"
-        f"least normal force        {table['least_normal_force']:.1f} N"
+        f"least normal force        {table['least_normal_force']:.1f} N\n"
+        f"unsolved control ticks    {table['unsolved_ticks']}"
     )

@@ -30,6 +30,12 @@ class ControllerSettings:
     accuracy: float = 1e-9
     max_iterations: int = 200
 
+    @classmethod
+    def for_gait(cls, gait: Gait) -> "ControllerSettings":
+        """Defaults, with the friction and normal force that the gait was designed for."""
+        known = {key: gait.specification[key] for key in ("friction", "min_normal_force") if key in gait.specification}
+        return cls(**known)
+
 
 @dataclass(frozen=True)
 class Command:
@@ -60,13 +66,17 @@ class QpController:
     Args:
         biped: the robot.
         gait: what to track.
-        settings: gains and limits.
+        settings: gains and limits; default: those of the gait's specification.
+
+    Attributes:
+        ticks: commands given.
+        unsolved: of these, programs that did not reach their accuracy.
     """
 
     def __init__(self, biped: FrontalBiped, gait: Gait, settings: ControllerSettings | None = None) -> None:
         self.biped = biped
         self.gait = gait
-        self.settings = settings or ControllerSettings()
+        self.settings = settings or ControllerSettings.for_gait(gait)
         outer, inner = biped.sole
         limits = ContactLimits(
             self.settings.friction, self.settings.min_normal_force * biped.weight, outer, inner, biped.max_torque
