@@ -35,6 +35,18 @@ if TYPE_CHECKING:
 _TAU = np.linspace(0.0, 1.0, 121)
 
 
+# a dotted shaft would dot the head as well
+IMPACT_ARROW = {
+    "arrowstyle": "-|>",
+    "mutation_scale": 12,
+    "color": BLACK,
+    "linewidth": 0.8,
+    "shrinkA": 4,
+    "shrinkB": 4,
+}
+"""How the jump at impact is drawn."""
+
+
 @styled
 def snapshots(biped: FrontalBiped, trajectory: Trajectory, count: int = 7) -> "Figure":
     """Stick figures of the first two steps, seen from the front (the robot's left is on the right).
@@ -116,15 +128,7 @@ def phase_portrait(trajectory: Trajectory, ax: "Axes | None" = None) -> "Figure"
             "",
             xy=(beta[j], dbeta[j]),
             xytext=(beta[i], dbeta[i]),
-            arrowprops={
-                "arrowstyle": "-|>",
-                "mutation_scale": 14,
-                "color": BLACK,
-                "linestyle": ":",
-                "linewidth": 1.2,
-                "shrinkA": 3,
-                "shrinkB": 3,
-            },
+            arrowprops=IMPACT_ARROW,
         )
         name = "impact" if k == 0 else None
         ax.plot(beta[[i, j]], dbeta[[i, j]], "s", color=BLACK, markersize=4.5, linestyle="none", label=name)
@@ -163,17 +167,8 @@ def energy(biped: FrontalBiped, gait: Gait) -> "Figure":
             ax.plot(orbit.beta[-1], values[-1], "s", color=BLACK, markersize=5)
             ax.plot(orbit.beta[0], values[0], "o", color=GREEN, markersize=6)
     (_, rising, *_), (_, falling, *_) = phases
-    jump = {
-        "arrowstyle": "-|>",
-        "mutation_scale": 14,
-        "color": BLACK,
-        "linestyle": ":",
-        "linewidth": 1.2,
-        "shrinkA": 4,
-        "shrinkB": 4,
-    }
     upper.annotate(
-        "", xy=(rising.beta[-1], rising.zeta[-1]), xytext=(falling.beta[-1], falling.zeta[-1]), arrowprops=jump
+        "", xy=(rising.beta[-1], rising.zeta[-1]), xytext=(falling.beta[-1], falling.zeta[-1]), arrowprops=IMPACT_ARROW
     )
     upper.plot([], [], "s", color=BLACK, markersize=5, linestyle="none", label="impact")
     upper.plot([], [], "o", color=GREEN, markersize=6, linestyle="none", label="reversal")
