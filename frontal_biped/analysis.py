@@ -160,6 +160,6 @@ def analyze(biped: FrontalBiped, gait: Gait, specification: GaitSpecification | 
         step_duration=float(step.duration),
         cost=float(step.cost),
         reversal=analyse_reversal(biped, gait.rising, gait.falling, gait.step_width, nodes),
-        residuals=gait.residuals(biped),
+        residuals=gait.residuals(biped, step),
         constraints=check_constraints(biped, spec, gait.rising, gait.falling, step),
     )

@@ -97,13 +97,17 @@ class Gait:
         motion = self.rising.motion(np.array([self.rising.beta_start]))
         return motion.q[0], motion.dq[0] * self.orbit.beta_dot_after_impact
 
-    def residuals(self, biped: FrontalBiped) -> dict[str, float]:
+    def residuals(self, biped: FrontalBiped, step: StepOrbit | None = None) -> dict[str, float]:
         """How far the gait is from being one; every entry should be below 1e-9.
 
         Invariance at impact and reversal (see `invariance_residuals`), the energy balance of a step (the fixed point
         against the energy integrated from the reversal, relative) and the stored orbit against a new integration.
+
+        Args:
+            biped: the robot.
+            step: the integrated step, where it is at hand.
         """
-        step = self.step(biped)
+        step = step or self.step(biped)
         hzd = HybridZeroDynamics(biped, step)
         zeta_f = hzd.rho_f(0.0)  # released at rest from the reversal
         residuals = invariance_residuals(biped, self.rising, self.falling, self.step_width)

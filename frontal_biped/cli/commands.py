@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from frontal_biped.analysis import analyze
+from frontal_biped.cli.demo import make_demo
 from frontal_biped.cli.main import SUCCESS, TASK_FAILED
 from frontal_biped.cli.progress import Progress
-from frontal_biped.demo import make_demo
 from frontal_biped.design import GaitSpecification, design_gait, read_specification
 from frontal_biped.exceptions import FrontalBipedError, GaitFileError
 from frontal_biped.files import require_parent, write_text

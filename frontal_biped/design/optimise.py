@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from frontal_biped.design.problem import DesignProblem
 from frontal_biped.design.report import ROUNDING, ConstraintReport, check_constraints, dense_constraints
 from frontal_biped.design.specification import GaitSpecification
 from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, minimise
-from frontal_biped.exceptions import SpecificationError
+from frontal_biped.exceptions import ReversalError, SpecificationError, UnreachablePoseError
 from frontal_biped.gait import Gait, RobotReference, converged_nodes, orbit_numbers
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.poincare import step_orbit
@@ -55,6 +55,8 @@ class DesignResult:
     seconds: float
 
 
+# iterates without an orbit have roots of negative numbers; they are told by their values, not by warnings
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def design_gait(
     biped: FrontalBiped,
     specification: GaitSpecification | None = None,
@@ -99,24 +101,53 @@ def design_gait(
         result = minimise(problem.evaluate, x, low, high, problem.scale(), SqpSettings(), report_progress)
         iterations, evaluations = iterations + result.iterations, evaluations + result.evaluations
         x = result.x
+        try:
+            rising, falling = complete(biped, problem.unpack(x))
+            nodes = converged_nodes(biped, rising, falling, float(x[2]))
+        except (ReversalError, UnreachablePoseError) as error:
+            message = f"no step exists where the optimiser stopped: {error}; relax the specification"
+            return DesignResult(None, None, False, message, iterations, evaluations, time.perf_counter() - began)
         if not result.feasible:
             break
-        x = _close_orbit(problem, x)
-        shortfall = _dense_shortfall(biped, spec, problem, x)
+        x = _close_orbit(DesignProblem(biped, spec, nodes), x)
+        rising, falling = complete(biped, problem.unpack(x))
+        step = step_orbit(biped, rising, falling, float(x[2]), nodes)
+        shortfall = _shortfall(dense_constraints(biped, spec, rising, falling, step))
         if not shortfall:
             break
         problem.tighten(shortfall)
-    return _conclude(biped, spec, problem, x, result, iterations, evaluations, time.perf_counter() - began)
+    step = step_orbit(biped, rising, falling, float(x[2]), nodes)
+    report = check_constraints(biped, spec, rising, falling, step)
+
+    def conclude(gait: Gait | None, message: str) -> DesignResult:
+        seconds = time.perf_counter() - began
+        return DesignResult(gait, report, gait is not None, message, iterations, evaluations, seconds)
+
+    if not result.feasible or not report.satisfied:
+        return conclude(None, _explain(report, result))
+    reference = RobotReference(biped.name, biped.path.name, biped.fingerprint)
+    gait = Gait(reference, rising, falling, float(x[2]), orbit_numbers(biped, step), spec.as_dict())
+    residuals = gait.residuals(biped, step)
+    name = max(residuals, key=lambda key: residuals[key])
+    if residuals[name] > RESIDUAL_TOLERANCE:
+        bound = f"{residuals[name]:.2g}, above {RESIDUAL_TOLERANCE:g}"
+        return conclude(None, f"the gait's residual {name} is {bound}; try another degree")
+    provenance: dict[str, Any] = {
+        "versions": software_versions(),
+        "seed": spec.seed,
+        "solver": {"status": result.message, "iterations": iterations, "evaluations": evaluations},
+        "residuals": residuals,
+    }
+    orbit = gait.orbit
+    message = f"J = {orbit.cost:.4f} N^2 m s, multiplier {orbit.multiplier:.4f}, all constraints satisfied"
+    return conclude(replace(gait, provenance=provenance), message)
 
 
 def _close_orbit(problem: DesignProblem, x: FloatArray) -> FloatArray:
-    """Newton steps of least length on the periodicity equation, on nodes enough for full accuracy."""
-    rising, falling = complete(problem.biped, problem.unpack(x))
-    nodes = converged_nodes(problem.biped, rising, falling, float(x[2]))
-    fine = DesignProblem(problem.biped, problem.specification, nodes)
+    """Newton steps of least length on the periodicity equation of a problem on nodes enough for full accuracy."""
     low, high = problem.bounds()
     for _ in range(NEWTON_STEPS):
-        point = fine.evaluate(x)
+        point = problem.evaluate(x)
         if abs(point.equality[0]) < CLOSED:
             break
         # variables on or next to their bounds stay where they are
@@ -127,58 +158,10 @@ def _close_orbit(problem: DesignProblem, x: FloatArray) -> FloatArray:
     return x
 
 
-def _dense_shortfall(
-    biped: FrontalBiped, spec: GaitSpecification, problem: DesignProblem, x: FloatArray
-) -> dict[tuple[str, str], float]:
-    """Scaled violations on the dense grid, by code and name."""
-    rising, falling = complete(biped, problem.unpack(x))
-    nodes = converged_nodes(biped, rising, falling, float(x[2]))
-    step = step_orbit(biped, rising, falling, float(x[2]), nodes)
-    shortfall = {}
-    for constraint in dense_constraints(biped, spec, rising, falling, step):
-        worst = _least_margin(constraint)
-        if worst < -ROUNDING:
-            shortfall[constraint.code, constraint.name] = -worst
-    return shortfall
-
-
-def _least_margin(constraint: Constraint) -> float:
-    return float(min(np.min(part) for part in constraint.margins()))
-
-
-def _conclude(
-    biped: FrontalBiped,
-    spec: GaitSpecification,
-    problem: DesignProblem,
-    x: FloatArray,
-    result: SqpResult,
-    iterations: int,
-    evaluations: int,
-    seconds: float,
-) -> DesignResult:
-    rising, falling = complete(biped, problem.unpack(x))
-    width = float(x[2])
-    step = step_orbit(biped, rising, falling, width, converged_nodes(biped, rising, falling, width))
-    report = check_constraints(biped, spec, rising, falling, step)
-    if not result.feasible or not report.satisfied:
-        return DesignResult(None, report, False, _explain(report, result), iterations, evaluations, seconds)
-    reference = RobotReference(biped.name, biped.path.name, biped.fingerprint)
-    gait = Gait(reference, rising, falling, width, orbit_numbers(biped, step), spec.as_dict())
-    residuals = gait.residuals(biped)
-    provenance: dict[str, Any] = {
-        "versions": software_versions(),
-        "seed": spec.seed,
-        "solver": {"status": result.message, "iterations": iterations, "evaluations": evaluations},
-        "residuals": residuals,
-    }
-    gait = Gait(reference, rising, falling, width, gait.orbit, spec.as_dict(), provenance)
-    worst = max(residuals.values())
-    if worst > RESIDUAL_TOLERANCE:
-        name = max(residuals, key=lambda key: residuals[key])
-        message = f"the gait's residual {name} is {worst:.2g}, above {RESIDUAL_TOLERANCE:g}; try another degree"
-        return DesignResult(None, report, False, message, iterations, evaluations, seconds)
-    message = f"J = {gait.orbit.cost:.4f} N^2 m s, multiplier {gait.orbit.multiplier:.4f}, all constraints satisfied"
-    return DesignResult(gait, report, True, message, iterations, evaluations, seconds)
+def _shortfall(constraints: list[Constraint]) -> dict[tuple[str, str], float]:
+    """Scaled violations, by code and name; constraints that hold are left out."""
+    worst = {(c.code, c.name): float(min(np.min(part) for part in c.margins())) for c in constraints}
+    return {key: -margin for key, margin in worst.items() if margin < -ROUNDING}
 
 
 def _explain(report: ConstraintReport, result: SqpResult) -> str:

@@ -39,9 +39,6 @@ class FrontalBiped:
         self.floating = self.chain.floating_model()
         self._data = self.pinned.createData()
         self._floating_data = self.floating.createData()
-        self._weightless = self.floating.copy()
-        self._weightless.gravity.linear = np.zeros(3)
-        self._weightless_data = self._weightless.createData()
         self._sole_frames = [self.pinned.getFrameId(f"swing_sole_{end}") for end in ("inner", "outer")]
         self._q = np.zeros(BASE + 4)
         self._dq = np.zeros(BASE + 4)

@@ -87,7 +87,7 @@ def test_it_can_be_repeated_into_the_same_folder_and_keeps_other_files(folder, m
     def broken(*_, **__):
         raise OSError(28, "No space left on device", "figures")
 
-    monkeypatch.setattr("frontal_biped.demo._draw", broken)
-    monkeypatch.setattr("frontal_biped.demo.STEPS", 1)
+    monkeypatch.setattr("frontal_biped.cli.demo._draw", broken)
+    monkeypatch.setattr("frontal_biped.cli.demo.STEPS", 1)
     assert main(["demo", "--out", str(folder)]) == 2
     assert {path: path.stat().st_mtime_ns for path in folder.rglob("*")} == before
