@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.walking_qp import DDQ, FORCE, ContactLimits, Targets, U, WalkingQp
 from frontal_biped.gait import Gait
@@ -19,6 +21,7 @@ class ControllerSettings:
         damping: damping ratio of the output error dynamics [-].
         friction: coefficient of friction of the cone [-].
         min_normal_force: smallest normal force, as a fraction of the weight [-].
+        max_torque: torque limits, chain order [N m]; None: the robot's.
         accuracy: absolute tolerance of the quadratic program.
         max_iterations: of the quadratic program.
     """
@@ -27,14 +30,15 @@ class ControllerSettings:
     damping: float = 1.0
     friction: float = 0.6
     min_normal_force: float = 0.1
+    max_torque: tuple[float, float, float, float] | None = None
     accuracy: float = 1e-9
     max_iterations: int = 200
 
     @classmethod
     def for_gait(cls, gait: Gait) -> "ControllerSettings":
-        """Defaults, with the friction and normal force that the gait was designed for."""
-        known = {key: gait.specification[key] for key in ("friction", "min_normal_force") if key in gait.specification}
-        return cls(**known)
+        """Defaults, with the friction, normal force and torque limits that the gait was designed for."""
+        shared = ("friction", "min_normal_force", "max_torque")
+        return cls(**{key: gait.specification[key] for key in shared if key in gait.specification})
 
 
 @dataclass(frozen=True)
@@ -78,8 +82,9 @@ class QpController:
         self.gait = gait
         self.settings = settings or ControllerSettings.for_gait(gait)
         outer, inner = biped.sole
+        torque = biped.max_torque if self.settings.max_torque is None else np.array(self.settings.max_torque)
         limits = ContactLimits(
-            self.settings.friction, self.settings.min_normal_force * biped.weight, outer, inner, biped.max_torque
+            self.settings.friction, self.settings.min_normal_force * biped.weight, outer, inner, torque
         )
         self._qp = WalkingQp(biped, limits)
         self._solver = ProxQpSolver(self.settings.accuracy, self.settings.max_iterations)

@@ -2,10 +2,20 @@
 
 import dataclasses
 
+import numpy as np
+
 from frontal_biped.control import ControllerSettings, QpController
+from frontal_biped.virtual_constraints import StepPhase
 
 
 def test_defaults_come_from_the_specification(biped, level_gait):
-    slippery = dataclasses.replace(level_gait, specification={**level_gait.specification, "friction": 0.2})
-    assert QpController(biped, slippery).settings.friction == 0.2
+    weak = {"friction": 0.2, "max_torque": [20.0, 30.0, 30.0, 20.0]}
+    controller = QpController(
+        biped, dataclasses.replace(level_gait, specification={**level_gait.specification, **weak})
+    )
+    assert controller.settings.friction == 0.2
+    q, dq = level_gait.state_after_impact()
+    u = controller.command(StepPhase.RISING, q + 0.05, dq).u
+    assert np.all(np.abs(u) <= np.array(weak["max_torque"]) + 1e-6)
+    assert np.any(np.abs(u) >= np.array(weak["max_torque"]) - 1e-3)  # the limit is reached, not idle
     assert ControllerSettings.for_gait(dataclasses.replace(level_gait, specification={})) == ControllerSettings()
