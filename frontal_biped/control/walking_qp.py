@@ -148,8 +148,3 @@ class WalkingQp:
         if singular:
             return np.zeros(VARIABLES)
         return self._T @ ddq + self._t
-
-    def satisfies_limits(self, x: FloatArray) -> bool:
-        """Does the scaled x (10,) keep every inequality?"""
-        value = self.program.C @ x
-        return bool(np.all(value >= self.program.l) and np.all(value <= self.program.u))

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.constraints import Constraint
 from frontal_biped.design.problem import DesignProblem
-from frontal_biped.design.report import ROUNDING, ConstraintReport, check_constraints, dense_constraints
+from frontal_biped.design.report import ConstraintReport, check_constraints
 from frontal_biped.design.specification import GaitSpecification
 from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, minimise
 from frontal_biped.exceptions import ReversalError, SpecificationError, UnreachablePoseError
@@ -107,17 +106,14 @@ def design_gait(
         except (ReversalError, UnreachablePoseError) as error:
             message = f"no step exists where the optimiser stopped: {error}; relax the specification"
             return DesignResult(None, None, False, message, iterations, evaluations, time.perf_counter() - began)
-        if not result.feasible:
-            break
-        x = _close_orbit(DesignProblem(biped, spec, nodes), x)
-        rising, falling = complete(biped, problem.unpack(x))
+        if result.feasible:
+            x = _close_orbit(DesignProblem(biped, spec, nodes), x)
+            rising, falling = complete(biped, problem.unpack(x))
         step = step_orbit(biped, rising, falling, float(x[2]), nodes)
-        shortfall = _shortfall(dense_constraints(biped, spec, rising, falling, step))
-        if not shortfall:
+        report = check_constraints(biped, spec, rising, falling, step)
+        if report.satisfied or not result.feasible:
             break
-        problem.tighten(shortfall)
-    step = step_orbit(biped, rising, falling, float(x[2]), nodes)
-    report = check_constraints(biped, spec, rising, falling, step)
+        problem.tighten({(check.code, check.name): -check.margin / check.scale for check in report.violated})
 
     def conclude(gait: Gait | None, message: str) -> DesignResult:
         seconds = time.perf_counter() - began
@@ -156,12 +152,6 @@ def _close_orbit(problem: DesignProblem, x: FloatArray) -> FloatArray:
         row = point.equality_jacobian[0] * scale
         x = np.clip(x - scale * row * (point.equality[0] / (row @ row)), low, high)
     return x
-
-
-def _shortfall(constraints: list[Constraint]) -> dict[tuple[str, str], float]:
-    """Scaled violations, by code and name; constraints that hold are left out."""
-    worst = {(c.code, c.name): float(min(np.min(part) for part in c.margins())) for c in constraints}
-    return {key: -margin for key, margin in worst.items() if margin < -ROUNDING}
 
 
 def _explain(report: ConstraintReport, result: SqpResult) -> str:

@@ -88,7 +88,7 @@ def reduce_to_frontal_plane(description: RobotDescription, urdf_text: str) -> Fr
         **{key: _planar_inertia(model, data, joint) for key, joint in joint_id.items()},
     }
     _check_feet(where, position, description)
-    middle = _check_mirrored_legs(where, position, body)  # HR3
+    _check_mirrored_legs(where, position, body)  # HR3
     limits = _chain_limits(model, joint_id, axis_sign, description, where)  # HR4
 
     # (h, v) with the left foot as stance foot: h = y_left_ankle - y, v = z - z_sole
@@ -110,8 +110,6 @@ def reduce_to_frontal_plane(description: RobotDescription, urdf_text: str) -> Fr
         axis_sign=np.array([axis_sign[key] for key in ROLL_JOINTS]),
         reference=np.array([reference[model.joints[joint_id[key]].idx_q] for key in ROLL_JOINTS]),
         joint_names=tuple(description.joints[key] for key in ROLL_JOINTS),
-        middle_y=middle,
-        ground_z=float(ground),
     )
     return FrontalReduction(chain, stance_map, model, reference)
 
@@ -221,8 +219,8 @@ def _check_feet(where: str, position: Mapping[str, FloatArray], description: Rob
         )
 
 
-def _check_mirrored_legs(where: str, position: Mapping[str, FloatArray], body: Mapping[str, PlanarBody]) -> float:
-    """Y of the mirror plane; raises where left and right differ (HR3)."""
+def _check_mirrored_legs(where: str, position: Mapping[str, FloatArray], body: Mapping[str, PlanarBody]) -> None:
+    """Raise where left and right differ (HR3)."""
     middle = 0.5 * (position["left_hip"][0] + position["right_hip"][0])
     length = max(abs(position["left_hip"][1] - position["left_ankle"][1]), 1e-3)
 
@@ -246,7 +244,6 @@ def _check_mirrored_legs(where: str, position: Mapping[str, FloatArray], body: M
         differ(f"z of the {link}'s centre of mass", a.com[1], b.com[1], length, "m")
     pelvis = body["pelvis"].com[0] - middle
     differ("the distance of the torso's centre of mass", pelvis, -pelvis, length, "m")
-    return float(middle)
 
 
 def _chain_limits(

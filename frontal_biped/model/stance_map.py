@@ -47,15 +47,11 @@ class StanceMap:
         axis_sign: (4,) +1 where a URDF axis points along +X, -1 where it points along -X.
         reference: (4,) URDF angles of the roll joints at the upright reference [rad].
         joint_names: URDF joint names, left ankle, left hip, right hip, right ankle.
-        middle_y: y of the robot's mirror plane at the reference [m].
-        ground_z: z of the sole at the reference [m].
     """
 
     axis_sign: FloatArray
     reference: FloatArray
     joint_names: tuple[str, ...]
-    middle_y: float
-    ground_z: float
 
     def positions_to_stance(self, q_urdf: FloatArray, stance: Stance) -> FloatArray:
         """Stance coordinates q (..., 4) [rad] of URDF joint angles (..., 4), in the order of `joint_names`."""

@@ -1,5 +1,6 @@
 """A stored gait, its periodic orbit, a short simulated walk, and a browser."""
 
+import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -51,6 +52,8 @@ def trajectory(request: pytest.FixtureRequest, orbit: Trajectory, walk: Trajecto
 def browser() -> Iterator[object]:
     executable = shutil.which("chromium")
     if executable is None:
+        # continuous integration installs it: there its absence is a failure
+        assert not os.environ.get("CI"), "no chromium on the PATH"
         pytest.skip("no chromium on the PATH")
     from playwright.sync_api import sync_playwright
 
