@@ -45,5 +45,9 @@ class ReversalError(FrontalBipedError):
     """The zero dynamics has no reversal point where one is needed."""
 
 
+class SimulationError(FrontalBipedError):
+    """Settings of a simulation that contradict each other."""
+
+
 class MissingExtraError(FrontalBipedError):
     """An optional dependency is needed; the message names the extra that brings it."""

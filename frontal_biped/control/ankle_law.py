@@ -1,0 +1,104 @@
+"""Ankle law: the FRI target moves inside the sole, once a phase, by what the energy error asks for.
+
+After the impact the shift is chosen so that the robot reverses where it was planned to; at the reversal, so that the
+next post-impact speed is the gait's. Shift and FRI target together stay inside the sole less a margin, and what the
+sole cannot give is left to the transitions below. A shift is constant over the phase, so the closed form of the zero
+dynamics holds with it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.optimize import brentq
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.control.transitions import AdaptiveTransitions, Stabiliser
+from frontal_biped.exceptions import ReversalError
+from frontal_biped.gait import Gait
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.phase_energy import Landed, falling_energy, land_on_constraints, phase_energy
+from frontal_biped.virtual_constraints.anchoring import shifted_fri
+from frontal_biped.virtual_constraints.phase import Phase
+
+SOLE_MARGIN = 0.004
+"""Distance the shifted FRI target keeps from the ends of the sole [m]."""
+
+SHIFT_ACCURACY = 1e-9
+"""[m]"""
+
+
+@dataclass(frozen=True)
+class AnkleLaw:
+    """Shifts the FRI target of the phases another stabiliser answers with.
+
+    Attributes:
+        biped: the robot.
+        gait: the gait.
+        inner: whose phases are shifted; default: `AdaptiveTransitions`.
+        margin: distance from the ends of the sole [m].
+        in_falling: act in the falling phase as well?
+    """
+
+    biped: FrontalBiped
+    gait: Gait
+    inner: Stabiliser = field(kw_only=True, default=None)  # type: ignore[assignment]
+    margin: float = field(kw_only=True, default=SOLE_MARGIN)
+    in_falling: bool = field(kw_only=True, default=True)
+
+    def __post_init__(self) -> None:
+        if self.inner is None:
+            object.__setattr__(self, "inner", AdaptiveTransitions(self.biped, self.gait))
+
+    @property
+    def name(self) -> str:
+        """For reports."""
+        return "ankle" if self.inner.name == "adaptive" else f"ankle + {self.inner.name}"
+
+    def rising(self, landed: Landed) -> Phase:
+        """The inner phase, shifted so that the robot reverses at its planned end."""
+        phase = self.inner.rising(landed)
+
+        def surplus(shift: float) -> float:
+            moved = shifted_fri(phase, shift)
+            energy = phase_energy(self.biped, moved, phase.beta_start, phase.beta_end)
+            _, required = energy.at(energy.end)
+            missing = 0.0 if energy.complete else 1e3  # the barrier is in the way: as if far too fast
+            return 0.5 * (energy.start_inertia * landed.dbeta) ** 2 - required + missing
+
+        return shifted_fri(phase, self.best_shift(phase, surplus, phase.beta_start, phase.beta_end))
+
+    def falling(self, rising: Phase, reversal: float) -> Phase:
+        """The inner phase, shifted so that the next post-impact speed is the gait's."""
+        phase = self.inner.falling(rising, reversal)
+        if not self.in_falling:
+            return phase
+        target = self.gait.orbit.beta_dot_after_impact
+
+        def missing(shift: float) -> float:
+            try:
+                energy = falling_energy(self.biped, shifted_fri(phase, shift), reversal)
+                return target - land_on_constraints(self.biped, energy)[2].dbeta
+            except ReversalError:
+                return target  # it does not fall: far too slow
+
+        return shifted_fri(phase, self.best_shift(phase, missing, reversal, phase.beta_end))
+
+    def best_shift(self, phase: Phase, error: Callable[[float], float], start: float, end: float) -> float:
+        """The shift at which a decreasing error vanishes, or the end of the sole that comes nearest [m]."""
+        low, high = self.room(phase, start, end)
+        if low >= high:
+            return 0.0
+        if abs(error(0.0)) < 1e-12:
+            return 0.0
+        at_low, at_high = error(low), error(high)
+        if at_low * at_high > 0.0:
+            return low if abs(at_low) < abs(at_high) else high
+        return float(brentq(error, low, high, xtol=SHIFT_ACCURACY))
+
+    def room(self, phase: Phase, start: float, end: float) -> tuple[float, float]:
+        """Shifts that keep the FRI target inside the sole less the margin; 0 is always allowed [m]."""
+        p: FloatArray = phase.motion(np.linspace(start, end, 33)).p_fri
+        outer, inner = self.biped.sole
+        low, high = outer + self.margin - float(p.min()), inner - self.margin - float(p.max())
+        return min(low, 0.0), max(high, 0.0)

@@ -1,0 +1,265 @@
+r"""The energy of the zero dynamics along one phase from a given start, for all energies at once.
+
+With Gamma = int 2 kappa_3/kappa_1 and R = -int e^{-Gamma} kappa_2/kappa_1, both from the start of the phase,
+
+.. math:: \zeta(\beta) = e^{\Gamma(\beta)} (\zeta^+ - R(\beta)).
+
+R depends on the path alone. It is integrated from Chebyshev interpolants on panels that end where the virtual
+constraints change form. A rising robot reverses where R reaches zeta+.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.polynomial import Chebyshev
+from scipy.fft import dct
+from scipy.optimize import brentq
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.exceptions import ReversalError
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.poincare import Landing, landing_on_constraints
+from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase
+from frontal_biped.zero_dynamics import RestrictedDynamics, project_dynamics
+
+DEGREE = 20
+"""Of the interpolant on a panel."""
+
+REACH = 0.5
+"""How far past its end a rising phase is followed [rad]."""
+
+BARRIER = "the centre of mass is over the FRI there, the energy barrier"
+
+PAST_END = (0.5, 2.0, 6.0)
+"""Panels of the continuation, in units of its taper."""
+
+_PLACES = -np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)  # from the start of a panel to its end
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One piece of a phase, beta from ``start`` to ``end`` in the sense of the motion.
+
+    Attributes:
+        start: beta where it begins [rad].
+        end: beta where it ends [rad].
+        motion: the virtual constraints at its Chebyshev points, in the order of the motion.
+        restricted: the scalar dynamics there.
+        growth: Gamma over [start, end].
+        spent: R over [start, end] [kg^2 m^4/s^2].
+    """
+
+    start: float
+    end: float
+    motion: ConstrainedMotion
+    restricted: RestrictedDynamics
+    growth: Chebyshev
+    spent: Chebyshev
+
+
+@dataclass(frozen=True)
+class PhaseEnergy:
+    """Gamma and R of one phase.
+
+    Attributes:
+        panels: in the order of the motion.
+        complete: was the asked end reached?
+        reaches_barrier: did it stop at the top of the energy barrier?
+        why: what stopped it otherwise.
+    """
+
+    panels: tuple[Panel, ...]
+    complete: bool
+    reaches_barrier: bool
+    why: str
+
+    @property
+    def start_inertia(self) -> float:
+        """I_P where the phase begins [kg m^2]."""
+        return float(self.panels[0].restricted.I_P[0])
+
+    @property
+    def end(self) -> float:
+        """Beta where the panels end [rad]."""
+        return self.panels[-1].end
+
+    @cached_property
+    def highest(self) -> float:
+        """Largest R, the energy barrier as far as it was followed [kg^2 m^4/s^2]."""
+        return max(float(panel.spent(panel.end)) for panel in self.panels)
+
+    def at(self, beta: float) -> tuple[float, float]:
+        """Gamma and R at beta."""
+        for panel in self.panels:
+            low, high = sorted((panel.start, panel.end))
+            if low <= beta <= high:
+                return float(panel.growth(beta)), float(panel.spent(beta))
+        raise ReversalError(f"beta = {beta:.6g} rad is outside the phase")
+
+    def reversal(self, dbeta: float) -> float:
+        """Where a rising phase begun with dbeta [rad/s] reverses [rad].
+
+        Raises:
+            ReversalError: it does not rise, or not reverse where R is defined.
+        """
+        if dbeta <= 0.0:
+            raise ReversalError("the robot does not rise after the impact")
+        zeta = 0.5 * (self.start_inertia * dbeta) ** 2
+        for panel in self.panels:
+            if float(panel.spent(panel.end)) >= zeta:
+
+                def left(x: float, panel: Panel = panel) -> float:
+                    return float(panel.spent(x)) - zeta
+
+                if left(panel.start) >= 0.0:
+                    return panel.start
+                return float(brentq(left, panel.start, panel.end, xtol=1e-15, rtol=8.9e-16))
+        raise ReversalError(f"no reversal before beta = {self.end:.5f} rad: {self.why}")
+
+    def speed(self, beta: float) -> float:
+        """The speed at the start that reverses at beta [rad/s], inverse of `reversal`."""
+        return float(np.sqrt(2.0 * max(self.at(beta)[1], 0.0)) / self.start_inertia)
+
+
+@dataclass(frozen=True)
+class Landed:
+    """The state after an impact.
+
+    Attributes:
+        q: (4,) configuration [rad].
+        slope: (3,) dq_b/dbeta [-].
+        dbeta: rate of the stance ankle [rad/s].
+    """
+
+    q: FloatArray
+    slope: FloatArray
+    dbeta: float
+
+
+def phase_energy(
+    biped: FrontalBiped, phase: Phase, start: float, end: float, breaks: Sequence[float] = (), to_barrier: bool = False
+) -> PhaseEnergy:
+    """Integrate Gamma and R of a phase from ``start`` to ``end``.
+
+    Args:
+        biped: the robot.
+        phase: virtual constraints.
+        start: beta at the start [rad].
+        end: beta at the end [rad].
+        breaks: beta at which panels end besides [rad].
+        to_barrier: stop where the drive vanishes: the top of the energy barrier.
+
+    Raises:
+        ReversalError: I_P is not positive at the start.
+    """
+    sense = 1.0 if end > start else -1.0
+    inner = sorted({b for b in breaks if min(start, end) + 1e-9 < b < max(start, end) - 1e-9}, key=lambda b: sense * b)
+    edges = [start, *inner, end]
+    panels: list[Panel] = []
+    gamma = energy = 0.0
+    for a, b in zip(edges, edges[1:], strict=False):
+        motion, restricted = _sample(biped, phase, a, b)
+        bad = restricted.I_P <= 0.0
+        over = restricted.drive >= 0.0 if to_barrier else np.zeros_like(bad)
+        why = "I_P vanishes there" if np.any(bad) else BARRIER
+        if np.any(bad | over):
+            reached = _last_good(biped, phase, a, b, to_barrier)
+            if abs(reached - a) < 1e-9:
+                return _finish(panels, why)
+            motion, restricted = _sample(biped, phase, a, reached)
+            if np.any(restricted.I_P <= 0.0):
+                return _finish(panels, why)
+        else:
+            reached = b
+        growth = _integral(restricted.rate, a, reached) + gamma
+        spent = -_integral(np.exp(-growth(motion.q[:, 0])) * restricted.drive, a, reached) + energy
+        panels.append(Panel(a, reached, motion, restricted, growth, spent))
+        gamma, energy = float(growth(reached)), float(spent(reached))
+        if reached != b:
+            return _finish(panels, why)
+    return PhaseEnergy(tuple(panels), True, False, "that is as far as was looked")
+
+
+def _finish(panels: list[Panel], why: str) -> PhaseEnergy:
+    if not panels:
+        raise ReversalError("I_P is not positive, or the centre of mass is over the FRI, where the phase begins")
+    return PhaseEnergy(tuple(panels), False, why == BARRIER, why)
+
+
+def _sample(biped: FrontalBiped, phase: Phase, a: float, b: float) -> tuple[ConstrainedMotion, RestrictedDynamics]:
+    beta = 0.5 * (a + b) + 0.5 * (b - a) * _PLACES
+    # a hair inside, so that a break belongs to the panel
+    beta[[0, -1]] = a + 1e-12 * (b - a), b - 1e-12 * (b - a)
+    motion = phase.motion(beta)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        return motion, RestrictedDynamics(project_dynamics(biped, motion), motion.p_fri, motion.dp_fri)
+
+
+def _last_good(biped: FrontalBiped, phase: Phase, a: float, b: float, to_barrier: bool) -> float:
+    """How far from a towards b the zero dynamics is defined, and the drive negative where asked."""
+    good, bad = a, b
+    for _ in range(4):
+        grid = np.linspace(good, bad, 9)
+        motion = phase.motion(grid)
+        restricted = RestrictedDynamics(project_dynamics(biped, motion), motion.p_fri, motion.dp_fri)
+        ok = restricted.I_P > 0.0
+        if to_barrier:
+            ok &= restricted.drive < 0.0
+        first = int(np.argmin(ok)) if not np.all(ok) else len(grid) - 1
+        if first == 0:
+            return good
+        good, bad = float(grid[first - 1]), float(grid[first])
+    return good
+
+
+def _integral(samples: FloatArray, a: float, b: float) -> Chebyshev:
+    """Integral from a of the interpolant of samples given in the order from a to b."""
+    ordered = samples[::-1] if b > a else samples  # DCT order: from the upper end of the domain down
+    coefficients = dct(ordered, type=1) / DEGREE
+    coefficients[[0, -1]] *= 0.5
+    return Chebyshev(coefficients, domain=sorted((a, b))).integ(lbnd=a)
+
+
+def rising_breaks(phase: Phase) -> tuple[tuple[float, ...], float]:
+    """Panel ends of a rising phase and where to stop [rad]."""
+    taper = getattr(phase, "taper", None)
+    middle = 0.5 * (phase.beta_start + phase.beta_end)
+    if taper is None:
+        # past s = 1 the bare polynomial goes on; short panels, for it bends
+        past = [phase.beta_end + k * 0.25 * abs(phase.range) for k in range(5)]
+        return (middle, *past), past[-1]
+    past = [phase.beta_end + factor * taper for factor in PAST_END]
+    return (middle, phase.beta_end, *past), past[-1] + REACH
+
+
+def falling_energy(biped: FrontalBiped, phase: Phase, reversal: float) -> PhaseEnergy:
+    """Energy of a falling phase from a reversal to its end."""
+    breaks = getattr(phase, "breaks", ())
+    above = [b + factor * phase.range * -0.25 for b in breaks[:1] for factor in (0.3,)]
+    middle = 0.5 * (min(reversal, phase.beta_start) + phase.beta_end)
+    return phase_energy(biped, phase, reversal, phase.beta_end, (*breaks, *above, middle))
+
+
+def rising_energy(biped: FrontalBiped, phase: Phase, start: float | None = None) -> PhaseEnergy:
+    """Energy of a rising phase from its start up to the barrier, or as far as it is followed."""
+    breaks, end = rising_breaks(phase)
+    return phase_energy(biped, phase, phase.beta_start if start is None else start, end, breaks, to_barrier=True)
+
+
+def land_on_constraints(biped: FrontalBiped, falling: PhaseEnergy) -> tuple[Landing, float, Landed]:
+    """Landing of a falling phase that began at rest: the impact, dbeta before it [rad/s], and the state after it.
+
+    Raises:
+        ReversalError: the robot stops before the impact.
+    """
+    last = falling.panels[-1]
+    gamma, spent = float(last.growth(last.end)), float(last.spent(last.end))
+    zeta = -np.exp(gamma) * spent
+    if not zeta > 0.0 or not falling.complete:
+        raise ReversalError("the robot stops in the falling phase" if falling.complete else falling.why)
+    dbeta = -float(np.sqrt(2.0 * zeta)) / float(last.restricted.I_P[-1])
+    landing = landing_on_constraints(biped, last.motion.q[-1], last.motion.dq[-1])
+    after = landing.dq_plus
+    return landing, dbeta, Landed(last.motion.q[-1][::-1].copy(), after[1:] / after[0], float(after[0] * dbeta))

@@ -1,0 +1,253 @@
+r"""Reversal-adaptive invariance: phases that begin where the robot is, not where it was planned to be.
+
+**A reversal later than planned.** Beyond s = 1 the rising polynomial is useless (on the reference gait I_P vanishes
+within 1.3e-3 rad), so it is continued, with x = beta - beta_r- and lengths l,
+
+.. math:: h_d'(x) = (h' + (h'' + h'/\ell) x) e^{-x/\ell}, \qquad p'(x) = p' e^{-x/\ell}
+
+value, slope and curvature meeting those at s = 1 (the FRI target: value and slope, all that enters the dynamics). The
+joints freeze within a few l and the robot turns about its ankle as one body. The falling phase *retraces* that
+continuation down to beta_r- and goes on as planned. On the way back every integrand is the same function of beta, so
+beta_r- is passed with the energy it was passed with on the way up: the return map stays the affine map rho of [O] eq.
+pcc, for every late reversal, exactly.
+
+**A reversal earlier than planned**, at beta_a = beta_r- - d. The falling phase starts in the pose and with the slope of
+the rising one and *rejoins* its own path h_f over a length proportional to d:
+
+.. math:: h_d(\beta) = h_f(\beta) + e(\beta), \quad e, e' = \text{the mismatch at } \beta_a, \quad
+          e = e' = e'' = 0 \text{ at and below } \beta_a - \lambda, \quad \lambda = \min(c\, d, \text{the way left}).
+
+Pose and slope of both phases agree at beta_r-, so the mismatch is of order d^2 in pose and d in slope, and lasts for a
+length of order d: its effect on the energy is of second order. The slope of the return map at the gait is therefore the
+multiplier, from this side too. The state stays on Z at every reversal point, and the pose of the impact is as planned.
+
+**A landing that was disturbed.** The rising phase is anchored to the actual pose and slope (columns 0 and 1) and keeps
+its end in pose and slope.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.virtual_constraints.bezier import bernstein, bernstein_derivative
+from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase
+
+TAPER = 0.25
+"""Length of the continuation, relative to the range of the rising phase."""
+
+REJOIN = 2.0
+"""c: length over which an early falling phase rejoins its path, relative to how early it is."""
+
+LONGEST_REJOIN = 0.7
+"""The same relative to the way left to the impact."""
+
+SAME = 1e-12
+"""[rad] a reversal this near to the planned one is the planned one."""
+
+
+@dataclass(frozen=True)
+class ContinuedPhase(Phase):
+    """A rising phase that goes on smoothly past its planned end.
+
+    Attributes:
+        taper: length l over which slopes die out past the end [rad].
+    """
+
+    taper: float
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Where the virtual constraints change form [rad]."""
+        return (self.beta_end,)
+
+    def motion(self, beta: FloatArray) -> ConstrainedMotion:
+        """The robot on the virtual constraints at beta (n,) [rad], past the end on the continuation."""
+        beta = np.atleast_1d(np.asarray(beta, dtype=float))
+        late = beta > self.beta_end
+        at = super().motion(np.minimum(beta, self.beta_end))
+        if not np.any(late):
+            return at
+        x = (beta[late] - self.beta_end)[:, None]
+        decay = np.exp(-x / self.taper)
+        q, dq, ddq, p_fri, dp_fri = (part.copy() for part in at)
+        slope, growth = dq[late, 1:], ddq[late, 1:] + dq[late, 1:] / self.taper
+        q[:, 0] = beta
+        q[late, 1:] += self.taper * (slope * (1.0 - decay) + growth * (self.taper - (self.taper + x) * decay))
+        dq[late, 1:] = (slope + growth * x) * decay
+        ddq[late, 1:] = (growth - (slope + growth * x) / self.taper) * decay
+        p_fri[late] += dp_fri[late] * self.taper * (1.0 - decay[:, 0])
+        dp_fri[late] *= decay[:, 0]
+        return ConstrainedMotion(q, dq, ddq, p_fri, dp_fri)
+
+    def desired(self, beta: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+        """h_d (3,), dh_d/dbeta (3,), d2h_d/dbeta2 (3,) and the FRI target at one beta."""
+        return super().desired(beta) if beta <= self.beta_end else _at_one(self.motion(np.array([beta])))
+
+
+@dataclass(frozen=True)
+class AnchoredFallingPhase(Phase):
+    """A falling phase that begins at an actual reversal: retracing above the planned one, rejoining below it.
+
+    The fields of `Phase` are the planned ones.
+
+    Attributes:
+        begin: the actual reversal [rad].
+        join: below it the phase is the planned one [rad].
+        mismatch: (4, 2) pose and FRI target at ``begin`` minus the planned ones [rad, m]; slopes likewise.
+        retraced: the rising phase, followed back where the reversal is late; None where it is early.
+    """
+
+    begin: float
+    join: float
+    mismatch: FloatArray
+    retraced: Phase | None
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Where the virtual constraints change form [rad]."""
+        return (self.join,) if self.retraced is None else (self.beta_start,)
+
+    def motion(self, beta: FloatArray) -> ConstrainedMotion:
+        """The robot on the virtual constraints at beta (n,) [rad]."""
+        beta = np.atleast_1d(np.asarray(beta, dtype=float))
+        at = super().motion(beta)
+        above = beta > (self.join if self.retraced is None else self.beta_start)
+        if not np.any(above):
+            return at
+        q, dq, ddq, p_fri, dp_fri = (part.copy() for part in at)
+        if self.retraced is not None:
+            back = self.retraced.motion(beta[above])
+            q[above], dq[above], ddq[above], p_fri[above], dp_fri[above] = back
+            return ConstrainedMotion(q, dq, ddq, p_fri, dp_fri)
+        length = self.begin - self.join
+        x = (beta[above] - self.join) / length
+        columns = self._correction(length)
+        value = bernstein(5, x) @ columns.T
+        first = bernstein_derivative(5, x, 1) @ columns.T / length
+        second = bernstein_derivative(5, x, 2) @ columns.T / length**2
+        q[above, 1:] += value[:, :3]
+        dq[above, 1:] += first[:, :3]
+        ddq[above, 1:] += second[:, :3]
+        p_fri[above] += value[:, 3]
+        dp_fri[above] += first[:, 3]
+        return ConstrainedMotion(q, dq, ddq, p_fri, dp_fri)
+
+    def desired(self, beta: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+        """h_d (3,), dh_d/dbeta (3,), d2h_d/dbeta2 (3,) and the FRI target at one beta."""
+        if beta <= (self.join if self.retraced is None else self.beta_start):
+            return super().desired(beta)
+        if self.retraced is not None:
+            return self.retraced.desired(beta)
+        return _at_one(self.motion(np.array([beta])))
+
+    def _correction(self, length: float) -> FloatArray:
+        """(4, 6) Bezier columns over x in [0, 1]: zero with two derivatives at 0, the mismatch at 1, flat curvature."""
+        value, slope = self.mismatch[:, 0], self.mismatch[:, 1] * length
+        zero = np.zeros(4)
+        return np.stack([zero, zero, zero, value - 0.4 * slope, value - 0.2 * slope, value], axis=1)
+
+
+def _at_one(at: ConstrainedMotion) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+    return at.q[0, 1:], at.dq[0, 1:], at.ddq[0, 1:], float(at.p_fri[0])
+
+
+def continued(phase: Phase, taper: float | None = None) -> ContinuedPhase:
+    """A rising phase with its continuation past s = 1; ``taper`` [rad], default `TAPER` times its range."""
+    length = TAPER * abs(phase.range) if taper is None else taper
+    return ContinuedPhase(phase.beta_start, phase.beta_end, phase.joint_bezier, phase.fri_bezier, length)
+
+
+def anchored_rising(planned: ContinuedPhase, beta: float, pose: FloatArray, slope: FloatArray) -> ContinuedPhase:
+    """The rising phase from an actual state after an impact; it keeps its end in pose and slope.
+
+    Args:
+        planned: the rising phase.
+        beta: actual stance ankle angle [rad].
+        pose: (3,) actual q_b [rad].
+        slope: (3,) actual dq_b/dbeta [-].
+    """
+    moved = with_ends(planned, beta, pose, slope, planned.beta_end, planned.joint_bezier[:, -1])
+    return ContinuedPhase(moved.beta_start, moved.beta_end, moved.joint_bezier, moved.fri_bezier, planned.taper)
+
+
+def anchored_falling(planned: Phase, rising: Phase, reversal: float) -> Phase:
+    """The falling phase from an actual reversal of the rising phase.
+
+    Args:
+        planned: the falling phase; it starts where the rising phase was planned to end, in pose, slope and FRI.
+        rising: the rising phase that has just ended.
+        reversal: where it reversed [rad].
+    """
+    early = planned.beta_start - reversal
+    if abs(early) <= SAME:
+        return planned
+    none = np.zeros((4, 2))
+    if early < 0.0:
+        return AnchoredFallingPhase(
+            planned.beta_start,
+            planned.beta_end,
+            planned.joint_bezier,
+            planned.fri_bezier,
+            reversal,
+            reversal,
+            none,
+            rising,
+        )
+    at = np.array([reversal])
+    actual, path = rising.motion(at), planned.motion(at)
+    mismatch = np.concatenate([_row(actual) - _row(path), [[actual.p_fri[0] - path.p_fri[0], 0.0]]])
+    length = min(REJOIN * early, LONGEST_REJOIN * (reversal - planned.beta_end))
+    return AnchoredFallingPhase(
+        planned.beta_start,
+        planned.beta_end,
+        planned.joint_bezier,
+        planned.fri_bezier,
+        reversal,
+        reversal - length,
+        mismatch,
+        None,
+    )
+
+
+def _row(at: ConstrainedMotion) -> FloatArray:
+    return np.stack([at.q[0, 1:], at.dq[0, 1:]], axis=1)
+
+
+def with_ends(
+    phase: Phase,
+    start: float,
+    start_pose: FloatArray,
+    start_slope: FloatArray,
+    end: float,
+    end_pose: FloatArray,
+) -> Phase:
+    """The phase with other ends: columns 0, 1 and M are given, M - 1 keeps the final slope, the rest follow.
+
+    Args:
+        phase: the phase.
+        start: beta at its start [rad].
+        start_pose: (3,) q_b there [rad].
+        start_slope: (3,) dq_b/dbeta there [-].
+        end: beta at its end [rad].
+        end_pose: (3,) q_b there [rad].
+    """
+    M = phase.degree
+    length = end - start
+    old = phase.joint_bezier
+    final_slope = M * (old[:, -1] - old[:, -2]) / phase.range
+    # the inner columns move with the end, the nearer the more
+    columns = old + (end_pose - old[:, -1])[:, None] * (np.arange(M + 1) / M) ** 2
+    columns[:, -1] = end_pose
+    columns[:, -2] = end_pose - final_slope * length / M
+    columns[:, 0] = start_pose
+    columns[:, 1] = start_pose + start_slope * length / M
+    return Phase(start, end, columns, phase.fri_bezier)
+
+
+def shifted_fri(phase: Phase, shift: float) -> Phase:
+    """The phase with its FRI target moved by a constant [m]."""
+    moved = replace(phase, fri_bezier=phase.fri_bezier + shift)
+    if isinstance(moved, AnchoredFallingPhase) and moved.retraced is not None:
+        return replace(moved, retraced=shifted_fri(moved.retraced, shift))
+    return moved
