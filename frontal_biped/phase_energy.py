@@ -22,7 +22,7 @@ from frontal_biped.exceptions import ReversalError
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.poincare import Landing, landing_on_constraints
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase
-from frontal_biped.zero_dynamics import RestrictedDynamics, project_dynamics
+from frontal_biped.zero_dynamics import TORQUES, RestrictedDynamics, project_dynamics
 
 DEGREE = 20
 """Of the interpolant on a panel."""
@@ -32,7 +32,7 @@ REACH = 0.5
 
 BARRIER = "the centre of mass is over the FRI there, the energy barrier"
 
-PAST_END = (0.5, 2.0, 6.0)
+PAST_END = (0.25, 1.0, 3.0)
 """Panels of the continuation, in units of its taper."""
 
 _PLACES = -np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)  # from the start of a panel to its end
@@ -97,6 +97,21 @@ class PhaseEnergy:
             if low <= beta <= high:
                 return float(panel.growth(beta)), float(panel.spent(beta))
         raise ReversalError(f"beta = {beta:.6g} rad is outside the phase")
+
+    def peak_torque(self, zeta: float) -> float:
+        """Largest torque of a step that begins with zeta [kg^2 m^4/s^2], up to where it reverses [N m]."""
+        largest = 0.0
+        for panel in self.panels:
+            beta = panel.motion.q[:, 0]
+            left = np.exp(panel.growth(beta)) * (zeta - panel.spent(beta))
+            moving = left >= 0.0
+            if not np.any(moving):
+                break
+            A, B, G = panel.restricted.projected
+            squared = 2.0 * np.maximum(left, 0.0) / panel.restricted.I_P**2
+            forces = A * panel.restricted.acceleration(squared) + B * squared + G
+            largest = max(largest, float(np.max(np.abs(forces[TORQUES][:, moving]))))
+        return largest
 
     def reversal(self, dbeta: float) -> float:
         """Where a rising phase begun with dbeta [rad/s] reverses [rad].
@@ -230,8 +245,9 @@ def rising_breaks(phase: Phase) -> tuple[tuple[float, ...], float]:
         # past s = 1 the bare polynomial goes on; short panels, for it bends
         past = [phase.beta_end + k * 0.25 * abs(phase.range) for k in range(5)]
         return (middle, *past), past[-1]
-    past = [phase.beta_end + factor * taper for factor in PAST_END]
-    return (middle, phase.beta_end, *past), past[-1] + REACH
+    short = getattr(phase, "curvature_taper", taper)
+    past = [phase.beta_end + x for f in PAST_END for x in (f * short, 3.0 * short + f * taper)]
+    return (middle, phase.beta_end, *past), max(past) + REACH
 
 
 def falling_energy(biped: FrontalBiped, phase: Phase, reversal: float) -> PhaseEnergy:

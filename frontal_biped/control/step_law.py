@@ -22,7 +22,7 @@ from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.phase_energy import Landed, falling_energy, land_on_constraints, phase_energy, rising_energy
-from frontal_biped.virtual_constraints.anchoring import anchored_falling, shifted_fri, with_ends
+from frontal_biped.virtual_constraints.anchoring import shifted_fri
 from frontal_biped.virtual_constraints.invariance import double_support_pose
 from frontal_biped.virtual_constraints.phase import Phase
 
@@ -110,14 +110,10 @@ class StepLaw:
         Raises:
             UnreachablePoseError: the feet cannot stand so far apart.
         """
-        planned = self.gait.falling
-        if abs(width - self.gait.step_width) > WIDTH_ACCURACY:
-            pose = self.final_pose(width)
-            start = planned.motion(np.array([planned.beta_start]))
-            planned = with_ends(
-                planned, planned.beta_start, start.q[0, 1:], start.dq[0, 1:], float(pose[0]), pose[1:]
-            )
-        return anchored_falling(planned, rising, reversal)
+        if abs(width - self.gait.step_width) <= WIDTH_ACCURACY:
+            return self._adaptive.falling(rising, reversal)
+        pose = self.final_pose(width)
+        return self._adaptive.falling_to(rising, reversal, float(pose[0]), pose[1:])
 
     def final_pose(self, width: float) -> "np.ndarray":
         """(4,) pose of a landing of the given width, as far from the symmetric stance as the gait's [rad]."""

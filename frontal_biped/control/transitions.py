@@ -16,7 +16,13 @@ from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.phase_energy import Landed, rising_energy
-from frontal_biped.virtual_constraints.anchoring import ContinuedPhase, anchored_falling, anchored_rising, continued
+from frontal_biped.virtual_constraints.anchoring import (
+    ContinuedPhase,
+    anchored_falling,
+    anchored_rising,
+    continued,
+    with_ends,
+)
 from frontal_biped.virtual_constraints.phase import Phase
 
 SLOWEST = 0.02
@@ -25,8 +31,15 @@ SLOWEST = 0.02
 LEAST_RANGE = 0.1
 """A rising phase that begins nearer to its end than this share of the planned range keeps the planned start."""
 
-TAPERS = (1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 0.08, 0.05)
+TAPERS = (3.0, 1.5, 0.7, 0.35, 0.18, 0.08)
+CURVATURE_TAPERS = (0.7, 0.35, 0.18, 0.08, 0.03)
 """Lengths of the continuation tried, relative to the range of the rising phase."""
+
+REJOINS = (2.0, 4.0, 8.0, 20.0, np.inf)
+"""Lengths c over which an early falling phase rejoins its path: the shortest that keeps I_P is taken."""
+
+ENOUGH_INERTIA = 0.9
+"""Share of the planned falling phase's smallest I_P that counts as kept."""
 
 AS_PLANNED = 1e-9
 """[rad] a landing this near to the planned one is the planned one."""
@@ -83,21 +96,33 @@ class AdaptiveTransitions:
 
     @cached_property
     def planned_rising(self) -> ContinuedPhase:
-        """The gait's rising phase with the longest, that is gentlest, continuation that keeps I_P > 0 to the barrier.
+        """The gait's rising phase with the continuation that asks the least torque half-way up the energy barrier.
 
-        Where none does, the one that takes the most energy.
+        Of those that keep I_P > 0 up to the barrier; where none does, the one that takes the most energy.
         """
-        best, most = continued(self.gait.rising), -np.inf
+        planned = self.gait.rising
+        at = planned.motion(np.array([planned.beta_end]))
+        # the FRI target stops half-way to the end of the sole it moves towards
+        slope, outer, inner = float(at.dp_fri[0]), *self.biped.sole
+        room = 0.5 * max((inner if slope > 0.0 else -outer) - np.sign(slope) * float(at.p_fri[0]), 1e-3)
+        best, rank = continued(planned, TAPERS[-1] * planned.range), (False, -np.inf)
         for share in TAPERS:
-            phase = continued(self.gait.rising, share * self.gait.rising.range)
-            try:
-                energy = rising_energy(self.biped, phase)
-            except ReversalError:
-                continue
-            if energy.highest > most:
-                best, most = phase, energy.highest
-            if energy.reaches_barrier:
-                return phase
+            for curvature in CURVATURE_TAPERS:
+                if curvature > share:
+                    continue
+                taper = share * planned.range
+                fri = min(taper, room / max(abs(slope), 1e-9))
+                phase = continued(planned, taper, curvature * planned.range, fri)
+                try:
+                    energy = rising_energy(self.biped, phase)
+                except ReversalError:
+                    continue
+                value = energy.highest
+                if energy.reaches_barrier:
+                    required = energy.at(planned.beta_end)[1]
+                    value = -energy.peak_torque(0.5 * (required + energy.highest))
+                if (energy.reaches_barrier, value) > rank:
+                    best, rank = phase, (energy.reaches_barrier, value)
         return best
 
     @cached_property
@@ -121,4 +146,46 @@ class AdaptiveTransitions:
 
     def falling(self, rising: Phase, reversal: float) -> Phase:
         """The falling phase from the actual reversal."""
-        return anchored_falling(self.gait.falling, rising, reversal)
+        return self.falling_to(rising, reversal, self.gait.falling.beta_end, self.gait.falling.joint_bezier[:, -1])
+
+    def falling_to(self, rising: Phase, reversal: float, beta: float, pose: FloatArray) -> Phase:
+        """The falling phase from the actual reversal to a final pose.
+
+        Args:
+            rising: the phase that reversed.
+            reversal: where [rad].
+            beta: stance ankle angle at the impact [rad].
+            pose: (3,) q_b there [rad].
+        """
+        planned = self.gait.falling
+        at = rising.motion(np.array([rising.beta_end]))
+        start = planned.motion(np.array([planned.beta_start]))
+        moved = max(
+            abs(rising.beta_end - planned.beta_start),
+            float(np.max(np.abs(at.q[0] - start.q[0]))),
+            float(np.max(np.abs(at.dq[0] - start.dq[0]))) * abs(planned.range),
+            float(np.max(np.abs(np.append(pose, beta) - np.append(planned.joint_bezier[:, -1], planned.beta_end)))),
+        )
+        if moved > AS_PLANNED:
+            slope, p_fri = at.dq[0, 1:], float(at.p_fri[0])
+            planned = with_ends(planned, rising.beta_end, at.q[0, 1:], slope, beta, pose, p_fri)
+        if reversal >= planned.beta_start:
+            return anchored_falling(planned, rising, reversal)
+        floor = ENOUGH_INERTIA * self._least_inertia(planned, planned.beta_start)
+        best, most = planned, -np.inf
+        for rejoin in REJOINS:
+            phase = anchored_falling(planned, rising, reversal, rejoin)
+            least = self._least_inertia(phase, reversal)
+            if least > most:
+                best, most = phase, least
+            if least >= floor:
+                break
+        return best
+
+    def _least_inertia(self, phase: Phase, start: float) -> float:
+        """Smallest I_P of a falling phase [kg m^2]."""
+        beta = start + (phase.beta_end - start) * np.linspace(0.0, 1.0, 25)
+        motion = phase.motion(beta)
+        momentum = [self.biped.momentum_map(q)[1:3] @ dq for q, dq in zip(motion.q, motion.dq, strict=True)]
+        vertical, moment = np.array(momentum).T
+        return float(np.min(moment - motion.p_fri * vertical))

@@ -3,10 +3,10 @@ r"""Reversal-adaptive invariance: phases that begin where the robot is, not wher
 **A reversal later than planned.** Beyond s = 1 the rising polynomial is useless (on the reference gait I_P vanishes
 within 1.3e-3 rad), so it is continued, with x = beta - beta_r- and lengths l,
 
-.. math:: h_d'(x) = (h' + (h'' + h'/\ell) x) e^{-x/\ell}, \qquad p'(x) = p' e^{-x/\ell}
+.. math:: h_d'(x) = h' e^{-x/\ell} + (h'' + h'/\ell) x e^{-x/m}, \qquad p'(x) = p' e^{-x/\ell_p}
 
 value, slope and curvature meeting those at s = 1 (the FRI target: value and slope, all that enters the dynamics). The
-joints freeze within a few l and the robot turns about its ankle as one body. The falling phase *retraces* that
+joints come to rest within a few l and the robot turns about its ankle as one body. The falling phase *retraces* that
 continuation down to beta_r- and goes on as planned. On the way back every integrand is the same function of beta, so
 beta_r- is passed with the energy it was passed with on the way up: the return map stays the affine map rho of [O] eq.
 pcc, for every late reversal, exactly.
@@ -33,14 +33,8 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.virtual_constraints.bezier import bernstein, bernstein_derivative
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase
 
-TAPER = 0.25
-"""Length of the continuation, relative to the range of the rising phase."""
-
 REJOIN = 2.0
 """c: length over which an early falling phase rejoins its path, relative to how early it is."""
-
-LONGEST_REJOIN = 0.7
-"""The same relative to the way left to the impact."""
 
 SAME = 1e-12
 """[rad] a reversal this near to the planned one is the planned one."""
@@ -52,9 +46,13 @@ class ContinuedPhase(Phase):
 
     Attributes:
         taper: length l over which slopes die out past the end [rad].
+        curvature_taper: length m over which the curvature at the end dies out [rad].
+        fri_taper: length over which the slope of the FRI target dies out [rad].
     """
 
     taper: float
+    curvature_taper: float
+    fri_taper: float
 
     @property
     def breaks(self) -> tuple[float, ...]:
@@ -69,15 +67,17 @@ class ContinuedPhase(Phase):
         if not np.any(late):
             return at
         x = (beta[late] - self.beta_end)[:, None]
-        decay = np.exp(-x / self.taper)
+        l, m = self.taper, self.curvature_taper
+        slow, fast = np.exp(-x / l), np.exp(-x / m)
         q, dq, ddq, p_fri, dp_fri = (part.copy() for part in at)
-        slope, growth = dq[late, 1:], ddq[late, 1:] + dq[late, 1:] / self.taper
+        slope, growth = dq[late, 1:], ddq[late, 1:] + dq[late, 1:] / l
         q[:, 0] = beta
-        q[late, 1:] += self.taper * (slope * (1.0 - decay) + growth * (self.taper - (self.taper + x) * decay))
-        dq[late, 1:] = (slope + growth * x) * decay
-        ddq[late, 1:] = (growth - (slope + growth * x) / self.taper) * decay
-        p_fri[late] += dp_fri[late] * self.taper * (1.0 - decay[:, 0])
-        dp_fri[late] *= decay[:, 0]
+        q[late, 1:] += slope * l * (1.0 - slow) + growth * m * (m - (m + x) * fast)
+        dq[late, 1:] = slope * slow + growth * x * fast
+        ddq[late, 1:] = growth * (1.0 - x / m) * fast - slope / l * slow
+        decay = np.exp(-x[:, 0] / self.fri_taper)
+        p_fri[late] += dp_fri[late] * self.fri_taper * (1.0 - decay)
+        dp_fri[late] *= decay
         return ConstrainedMotion(q, dq, ddq, p_fri, dp_fri)
 
     def desired(self, beta: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
@@ -152,10 +152,24 @@ def _at_one(at: ConstrainedMotion) -> tuple[FloatArray, FloatArray, FloatArray, 
     return at.q[0, 1:], at.dq[0, 1:], at.ddq[0, 1:], float(at.p_fri[0])
 
 
-def continued(phase: Phase, taper: float | None = None) -> ContinuedPhase:
-    """A rising phase with its continuation past s = 1; ``taper`` [rad], default `TAPER` times its range."""
-    length = TAPER * abs(phase.range) if taper is None else taper
-    return ContinuedPhase(phase.beta_start, phase.beta_end, phase.joint_bezier, phase.fri_bezier, length)
+def continued(
+    phase: Phase, taper: float, curvature_taper: float | None = None, fri_taper: float | None = None
+) -> ContinuedPhase:
+    """A rising phase with its continuation past s = 1; the other lengths are ``taper`` by default [rad]."""
+    curvature = taper if curvature_taper is None else curvature_taper
+    fri = taper if fri_taper is None else fri_taper
+    return ContinuedPhase(
+        phase.beta_start, phase.beta_end, phase.joint_bezier, phase.fri_bezier, taper, curvature, fri
+    )
+
+
+def stretched(phase: ContinuedPhase, end: float) -> ContinuedPhase:
+    """A rising phase that reaches its final pose at another beta [rad]; pose and slope at its start stay."""
+    M = phase.degree
+    columns = phase.joint_bezier.copy()
+    columns[:, 1] = columns[:, 0] + (columns[:, 1] - columns[:, 0]) * (end - phase.beta_start) / phase.range
+    assert M >= 3  # or column 1 would be the last but one
+    return replace(phase, beta_end=end, joint_bezier=columns)
 
 
 def anchored_rising(planned: ContinuedPhase, beta: float, pose: FloatArray, slope: FloatArray) -> ContinuedPhase:
@@ -168,16 +182,17 @@ def anchored_rising(planned: ContinuedPhase, beta: float, pose: FloatArray, slop
         slope: (3,) actual dq_b/dbeta [-].
     """
     moved = with_ends(planned, beta, pose, slope, planned.beta_end, planned.joint_bezier[:, -1])
-    return ContinuedPhase(moved.beta_start, moved.beta_end, moved.joint_bezier, moved.fri_bezier, planned.taper)
+    return replace(planned, beta_start=moved.beta_start, joint_bezier=moved.joint_bezier)
 
 
-def anchored_falling(planned: Phase, rising: Phase, reversal: float) -> Phase:
+def anchored_falling(planned: Phase, rising: Phase, reversal: float, rejoin: float = REJOIN) -> Phase:
     """The falling phase from an actual reversal of the rising phase.
 
     Args:
         planned: the falling phase; it starts where the rising phase was planned to end, in pose, slope and FRI.
         rising: the rising phase that has just ended.
         reversal: where it reversed [rad].
+        rejoin: c, at most what takes it to the impact.
     """
     early = planned.beta_start - reversal
     if abs(early) <= SAME:
@@ -197,7 +212,7 @@ def anchored_falling(planned: Phase, rising: Phase, reversal: float) -> Phase:
     at = np.array([reversal])
     actual, path = rising.motion(at), planned.motion(at)
     mismatch = np.concatenate([_row(actual) - _row(path), [[actual.p_fri[0] - path.p_fri[0], 0.0]]])
-    length = min(REJOIN * early, LONGEST_REJOIN * (reversal - planned.beta_end))
+    length = min(rejoin * early, reversal - planned.beta_end)
     return AnchoredFallingPhase(
         planned.beta_start,
         planned.beta_end,
@@ -221,6 +236,7 @@ def with_ends(
     start_slope: FloatArray,
     end: float,
     end_pose: FloatArray,
+    start_fri: float | None = None,
 ) -> Phase:
     """The phase with other ends: columns 0, 1 and M are given, M - 1 keeps the final slope, the rest follow.
 
@@ -231,6 +247,7 @@ def with_ends(
         start_slope: (3,) dq_b/dbeta there [-].
         end: beta at its end [rad].
         end_pose: (3,) q_b there [rad].
+        start_fri: FRI target at the start [m]; default: the phase's own.
     """
     M = phase.degree
     length = end - start
@@ -242,7 +259,10 @@ def with_ends(
     columns[:, -2] = end_pose - final_slope * length / M
     columns[:, 0] = start_pose
     columns[:, 1] = start_pose + start_slope * length / M
-    return Phase(start, end, columns, phase.fri_bezier)
+    fri = phase.fri_bezier.copy()
+    if start_fri is not None:
+        fri[0] = start_fri
+    return Phase(start, end, columns, fri)
 
 
 def shifted_fri(phase: Phase, shift: float) -> Phase:
