@@ -119,9 +119,7 @@ def fit(
     return pieces, failed
 
 
-def _fit_once(
-    function: Callable[[float], float], a: float, b: float, tolerance: float, scale: float
-) -> Fit | None:
+def _fit_once(function: Callable[[float], float], a: float, b: float, tolerance: float, scale: float) -> Fit | None:
     values: dict[float, float] = {}
     coarse: FloatArray | None = None
     for degree in DEGREES:

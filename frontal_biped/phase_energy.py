@@ -11,6 +11,7 @@ constraints change form. A rising robot reverses where R reaches zeta+.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import Chebyshev
@@ -21,14 +22,24 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.poincare import Landing, landing_on_constraints
+from frontal_biped.virtual_constraints.anchoring import ContinuedPhase, stretched
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase
-from frontal_biped.zero_dynamics import TORQUES, RestrictedDynamics, project_dynamics
+from frontal_biped.zero_dynamics import F_H, F_V, TORQUES, RestrictedDynamics, project_dynamics
 
 DEGREE = 20
 """Of the interpolant on a panel."""
 
 REACH = 0.5
 """How far past its end a rising phase is followed [rad]."""
+
+SURPLUS_ACCURACY = 1e-4
+"""Energy error that is left to the transitions [kg^2 m^4/s^2]; a gait has some hundreds."""
+
+STRETCH, STRETCHES = 0.15, 40
+"""Steps by which the end of a phase is moved outwards, relative to its range, and how many."""
+
+BLOCKED = 1e4
+"""Surplus where the phase does not reach its end [kg^2 m^4/s^2]."""
 
 BARRIER = "the centre of mass is over the FRI there, the energy barrier"
 
@@ -98,8 +109,14 @@ class PhaseEnergy:
                 return float(panel.growth(beta)), float(panel.spent(beta))
         raise ReversalError(f"beta = {beta:.6g} rad is outside the phase")
 
-    def peak_torque(self, zeta: float) -> float:
-        """Largest torque of a step that begins with zeta [kg^2 m^4/s^2], up to where it reverses [N m]."""
+    def load(self, zeta: float, max_torque: FloatArray, friction: float) -> float:
+        """Largest torque and friction of a step that begins with zeta, up to where it reverses, over their limits [-].
+
+        Args:
+            zeta: [kg^2 m^4/s^2].
+            max_torque: (4,) [N m].
+            friction: coefficient of friction [-].
+        """
         largest = 0.0
         for panel in self.panels:
             beta = panel.motion.q[:, 0]
@@ -109,8 +126,11 @@ class PhaseEnergy:
                 break
             A, B, G = panel.restricted.projected
             squared = 2.0 * np.maximum(left, 0.0) / panel.restricted.I_P**2
-            forces = A * panel.restricted.acceleration(squared) + B * squared + G
-            largest = max(largest, float(np.max(np.abs(forces[TORQUES][:, moving]))))
+            forces = (A * panel.restricted.acceleration(squared) + B * squared + G)[:, moving]
+            if np.any(forces[F_V] <= 0.0):
+                return float("inf")
+            torque = np.max(np.abs(forces[TORQUES]) / max_torque[:, None])
+            largest = max(largest, float(torque), float(np.max(np.abs(forces[F_H] / forces[F_V]))) / friction)
         return largest
 
     def reversal(self, dbeta: float) -> float:
@@ -174,7 +194,7 @@ def phase_energy(
     edges = [start, *inner, end]
     panels: list[Panel] = []
     gamma = energy = 0.0
-    for a, b in zip(edges, edges[1:], strict=False):
+    for a, b in pairwise(edges):
         motion, restricted = _sample(biped, phase, a, b)
         bad = restricted.I_P <= 0.0
         over = restricted.drive >= 0.0 if to_barrier else np.zeros_like(bad)
@@ -279,3 +299,43 @@ def land_on_constraints(biped: FrontalBiped, falling: PhaseEnergy) -> tuple[Land
     landing = landing_on_constraints(biped, last.motion.q[-1], last.motion.dq[-1])
     after = landing.dq_plus
     return landing, dbeta, Landed(last.motion.q[-1][::-1].copy(), after[1:] / after[0], float(after[0] * dbeta))
+
+
+def stretch_to_reversal(biped: FrontalBiped, phase: ContinuedPhase, dbeta: float) -> ContinuedPhase:
+    """The phase stretched so that a landing too fast for it reverses exactly at its end.
+
+    The same poses in the same order, the last one reached where the energy is spent: the self-consistent reversal of
+    `reversal_solver`, solved for a given speed. The phase itself where it is not too fast, or nothing stops the robot.
+
+    Args:
+        biped: the robot.
+        phase: rising phase.
+        dbeta: after the landing [rad/s].
+    """
+
+    def surplus(end: float) -> float:
+        return energy_surplus(biped, stretched(phase, end), dbeta)
+
+    end = phase.beta_end
+    if surplus(end) <= SURPLUS_ACCURACY:
+        return phase
+    for _ in range(STRETCHES):
+        longer = end + STRETCH * phase.range
+        if surplus(longer) <= 0.0:
+            return stretched(phase, float(brentq(surplus, end, longer, xtol=1e-12)))
+        end = longer
+    return phase
+
+
+def energy_surplus(biped: FrontalBiped, phase: Phase, dbeta: float) -> float:
+    """Energy after a landing beyond what rising to the planned end of the phase takes [kg^2 m^4/s^2].
+
+    `BLOCKED` is added where the phase does not reach its end: as if far too fast.
+    """
+    try:
+        energy = phase_energy(biped, phase, phase.beta_start, phase.beta_end)
+    except ReversalError:
+        return BLOCKED
+    missing = 0.0 if energy.complete else BLOCKED
+    surplus = 0.5 * (energy.start_inertia * dbeta) ** 2 - energy.at(energy.end)[1] + missing
+    return surplus if np.isfinite(surplus) else BLOCKED

@@ -40,6 +40,7 @@ from frontal_biped.chebyshev import Fit, Zero, fit, zeros
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.poincare import step_orbit
 from frontal_biped.reversal_solver import EnergyBalance, ReversalProblem, energy_balance
+from frontal_biped.zero_dynamics import restrict
 
 REGULAR = 0.02
 """Share of the smallest I_P of the gait's own step below which a step counts as outside the region."""
@@ -349,8 +350,6 @@ def _conditions(
     problem: ReversalProblem, function: _Function, count: ZeroCount, points: dict[float, EnergyBalance]
 ) -> tuple[Condition, Condition]:
     """Both sufficient conditions on the region of the fixed parameters."""
-    from frontal_biped.zero_dynamics import restrict
-
     rising, _ = problem.phases(problem.planned)
     scale = abs(float(restrict(problem.biped, rising, np.array([problem.planned])).drive[0]))
 

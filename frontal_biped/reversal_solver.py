@@ -33,6 +33,7 @@ from scipy.optimize import brentq
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.poincare import StepOrbit, step_orbit
+from frontal_biped.reversal import beta_maximum
 from frontal_biped.virtual_constraints.invariance import FreeParameters, complete, free_parameters
 from frontal_biped.virtual_constraints.phase import Phase
 
@@ -126,8 +127,6 @@ class ReversalProblem:
         Raises:
             ReversalError: the centre of mass never gets over the FRI target.
         """
-        from frontal_biped.reversal import beta_maximum
-
         rising, falling = self.phases(self.planned)
         return max(rising.beta_start, falling.beta_end), beta_maximum(self.biped, rising)
 
@@ -147,7 +146,7 @@ class ReversalProblem:
             return energy_balance(step)
 
     def S(self, beta: float) -> float:
-        """S(beta) = E(beta; b(beta)) [kg^2 m^4/s^2]; nan where not defined."""
+        """E with invariance imposed at beta, E(beta; b(beta)) [kg^2 m^4/s^2]; nan where not defined."""
         return self.balance(beta).surplus
 
     @property
@@ -333,7 +332,5 @@ def _bracket(problem: ReversalProblem, S: Callable[[float], float], near: float)
     grid = np.unique(np.concatenate([low + (high - low) * steps**2, low + 3.0 * problem.length * steps]))
     grid = grid[(grid > low) & (grid < high)]
     values = np.array([S(float(x)) for x in grid])
-    pairs = [
-        (float(grid[i]), float(grid[i + 1])) for i in range(len(grid) - 1) if values[i] * values[i + 1] < 0.0
-    ]
+    pairs = [(float(grid[i]), float(grid[i + 1])) for i in range(len(grid) - 1) if values[i] * values[i + 1] < 0.0]
     return min(pairs, key=lambda pair: abs(0.5 * (pair[0] + pair[1]) - near)) if pairs else None

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 from frontal_biped.control.controller import ControllerSettings, QpController
-from frontal_biped.control.stabilisers import STABILISERS, make_stabiliser
+from frontal_biped.control.stabilisers import make_stabiliser
 from frontal_biped.control.transitions import Stabiliser
 from frontal_biped.gait import Gait, gait_to_dict
 from frontal_biped.model.biped import FrontalBiped

@@ -17,24 +17,21 @@ from frontal_biped.control.transitions import AdaptiveTransitions, Stabiliser
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.phase_energy import Landed, falling_energy, land_on_constraints, phase_energy
-from frontal_biped.virtual_constraints.anchoring import ContinuedPhase, shifted_fri, stretched
+from frontal_biped.phase_energy import (
+    Landed,
+    energy_surplus,
+    falling_energy,
+    land_on_constraints,
+    stretch_to_reversal,
+)
+from frontal_biped.virtual_constraints.anchoring import ContinuedPhase, shifted_fri
 from frontal_biped.virtual_constraints.phase import Phase
 
 SOLE_MARGIN = 0.004
 """Distance the shifted FRI target keeps from the ends of the sole [m]."""
 
 SHIFT_ACCURACY = 1e-9
-"""[m], and [rad] of a stretched phase."""
-
-SURPLUS_ACCURACY = 1e-4
-"""Energy error that is left to the transitions [kg^2 m^4/s^2]; a gait has some hundreds."""
-
-STRETCHES = 40
-"""Steps of 0.15 times the range of the rising phase by which its end is moved outwards, at most."""
-
-BLOCKED = 1e4
-"""Surplus where the phase does not reach its end [kg^2 m^4/s^2]."""
+"""[m]"""
 
 
 @dataclass(frozen=True)
@@ -44,7 +41,7 @@ class AnkleLaw:
     Attributes:
         biped: the robot.
         gait: the gait.
-        inner: whose phases are shifted; default: `AdaptiveTransitions`.
+        inner: whose phases are shifted; default: `AdaptiveTransitions` that leaves the stretching to this law.
         margin: distance from the ends of the sole [m].
         in_falling: act in the falling phase as well?
     """
@@ -57,7 +54,7 @@ class AnkleLaw:
 
     def __post_init__(self) -> None:
         if self.inner is None:
-            object.__setattr__(self, "inner", AdaptiveTransitions(self.biped, self.gait))
+            object.__setattr__(self, "inner", AdaptiveTransitions(self.biped, self.gait, anticipate=False))
 
     @property
     def name(self) -> str:
@@ -70,33 +67,14 @@ class AnkleLaw:
         A robot too fast for the sole gets a stretched phase: the same poses, the last one reached where it reverses.
         """
         phase = self.inner.rising(landed)
-        shift = self.best_shift(
-            phase, lambda a: self._surplus(shifted_fri(phase, a), landed), phase.beta_start, phase.beta_end
-        )
-        moved = shifted_fri(phase, shift)
-        if not isinstance(moved, ContinuedPhase) or self._surplus(moved, landed) <= SURPLUS_ACCURACY:
-            return moved
-        end = moved.beta_end
-        for _ in range(STRETCHES):
-            longer = end + 0.15 * phase.range
-            if self._surplus(stretched(moved, longer), landed) <= 0.0:
-                end = float(
-                    brentq(lambda e: self._surplus(stretched(moved, e), landed), end, longer, xtol=SHIFT_ACCURACY)
-                )
-                return stretched(moved, end)
-            end = longer
-        return moved
 
-    def _surplus(self, phase: Phase, landed: Landed) -> float:
-        """Energy after the landing beyond what rising to the end of the phase takes [kg^2 m^4/s^2]."""
-        try:
-            energy = phase_energy(self.biped, phase, phase.beta_start, phase.beta_end)
-        except ReversalError:
-            return BLOCKED
-        _, required = energy.at(energy.end)
-        # where the barrier is in the way: as if far too fast
-        missing = 0.0 if energy.complete else BLOCKED
-        return 0.5 * (energy.start_inertia * landed.dbeta) ** 2 - required + missing
+        def surplus(shift: float) -> float:
+            return energy_surplus(self.biped, shifted_fri(phase, shift), landed.dbeta)
+
+        moved = shifted_fri(phase, self.best_shift(phase, surplus, phase.beta_start, phase.beta_end))
+        if not isinstance(moved, ContinuedPhase):
+            return moved
+        return stretch_to_reversal(self.biped, moved, landed.dbeta)
 
     def falling(self, rising: Phase, reversal: float) -> Phase:
         """The inner phase, shifted so that the next post-impact speed is the gait's."""

@@ -1,7 +1,7 @@
 r"""Step-to-step law: the distance between the feet, and with it the final pose, chosen anew at each reversal.
 
-The final poses are those with both feet flat, the stance ankle as far from the symmetric stance as the gait's: one for
-each width. A wider step falls further, loses more at the impact, and has more to climb after it.
+The final poses are those with both feet flat from which the next step starts at the gait's beta_r+, so that its rising
+phase keeps its range: one for each width. A wider step falls further in beta and gains energy.
 
 - *dead-beat*: the width for which the next step, whose rising phase is anchored to that landing, reverses exactly where
   it was planned to. From there the step is the gait's, so the error is gone after one step if the width is allowed.
@@ -12,6 +12,7 @@ each width. A wider step falls further, loses more at the impact, and has more t
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import brentq
@@ -29,8 +30,8 @@ from frontal_biped.virtual_constraints.phase import Phase
 NARROWEST, WIDEST = 0.6, 1.5
 """Widths the law may choose, relative to the gait's [-]."""
 
-SCAN = 9
-"""Widths tried to bracket the dead-beat one."""
+OFFSETS = (0.01, 0.02, 0.04, 0.08, 0.15, 0.25, 0.4, 0.6)
+"""Changes of width tried to bracket the dead-beat one, relative to the gait's width."""
 
 WIDTH_ACCURACY = 1e-10
 """[m]"""
@@ -80,6 +81,10 @@ class StepLaw:
     def _adaptive(self) -> AdaptiveTransitions:
         return AdaptiveTransitions(self.biped, self.gait)
 
+    @cached_property
+    def _unstretched(self) -> AdaptiveTransitions:
+        return AdaptiveTransitions(self.biped, self.gait, anticipate=False)
+
     def rising(self, landed: Landed) -> Phase:
         """The anchored rising phase, shifted by the ankle law if there is one."""
         return (self.ankle or self._adaptive).rising(landed)
@@ -116,20 +121,25 @@ class StepLaw:
         return self._adaptive.falling_to(rising, reversal, float(pose[0]), pose[1:])
 
     def final_pose(self, width: float) -> "np.ndarray":
-        """(4,) pose of a landing of the given width, as far from the symmetric stance as the gait's [rad]."""
-        offset = self.gait.falling.beta_end - self._symmetric(self.gait.step_width)
-        return double_support_pose(self.biped, self._symmetric(width) + offset, width)
+        """(4,) pose of a landing of the given width, from which the next step starts at the gait's beta_r+ [rad]."""
+        planned = self.gait.falling
+        beta, swing_ankle = planned.beta_end, float(planned.joint_bezier[2, -1])
 
-    def _symmetric(self, width: float) -> float:
-        """Stance ankle angle of the stance whose two legs mirror each other [rad]."""
-        lean = (width - self.biped.hip_width) / (2.0 * self.biped.leg_length)
-        centre = -0.5 * np.pi - float(np.arcsin(np.clip(lean, -0.9, 0.9)))
+        def off(x: float) -> float:
+            return float(double_support_pose(self.biped, x, width)[3]) - swing_ankle
 
-        def asymmetry(beta: float) -> float:
-            pose = double_support_pose(self.biped, beta, width)
-            return float(pose[0] - pose[3])
-
-        return float(brentq(asymmetry, centre - 0.02, centre + 0.02, xtol=1e-14))
+        # a wider stance leans both legs out; one of them is held, so the other leans twice as much
+        lean = (width - self.gait.step_width) / self.biped.leg_length
+        low, high = sorted((beta - 2.0 * lean, beta + 0.5 * lean))
+        if off(low) * off(high) > 0.0:
+            low, high = beta - 0.3, beta + 0.3
+        try:
+            found = float(brentq(off, low, high, xtol=1e-14))
+        except ValueError:
+            raise UnreachablePoseError(
+                f"no landing {width:.4g} m wide starts the next step at the gait's pose"
+            ) from None
+        return double_support_pose(self.biped, found, width)
 
     # ------------------------------------------------------------------ rules
     def surplus(self, falling: Phase, reversal: float) -> float:
@@ -141,7 +151,7 @@ class StepLaw:
             ReversalError: the robot stops before the landing.
         """
         landed = land_on_constraints(self.biped, falling_energy(self.biped, falling, reversal))[2]
-        phase = self._adaptive.rising(landed)
+        phase = self._unstretched.rising(landed)
         energy = phase_energy(self.biped, phase, phase.beta_start, phase.beta_end)
         if not energy.complete:
             raise ReversalError(energy.why)
@@ -159,13 +169,14 @@ class StepLaw:
         planned = self.gait.step_width
         if abs(reversal - self.gait.beta_reversal) < 1e-13:
             return planned, 0.0
-        widths = np.unique(np.append(np.linspace(self.narrowest, self.widest, SCAN), planned))
-        order = sorted(widths, key=lambda w: abs(w - planned))
+        offsets = np.array([0.0, *(sign * offset for offset in OFFSETS for sign in (1.0, -1.0))])
+        widths = np.unique(np.clip(planned * (1.0 + offsets), self.narrowest, self.widest))
+        order = sorted(widths, key=lambda width: abs(width - planned))
         values: dict[float, float] = {}
         for width in order:  # outwards from the gait's width, until two neighbours differ in sign
             values[float(width)] = error(float(width))
             known = sorted(values)
-            for a, b in zip(known, known[1:], strict=False):
+            for a, b in pairwise(known):
                 if values[a] * values[b] <= 0.0:
                     try:
                         return float(brentq(error, a, b, xtol=WIDTH_ACCURACY)), 0.0
@@ -185,7 +196,7 @@ class StepLaw:
         def following(reversal: float, chosen: float) -> float:
             falling = self.to_width(rising, reversal, chosen)
             landed = land_on_constraints(self.biped, falling_energy(self.biped, falling, reversal))[2]
-            return rising_energy(self.biped, self._adaptive.rising(landed)).reversal(landed.dbeta)
+            return rising_energy(self.biped, self._unstretched.rising(landed)).reversal(landed.dbeta)
 
         h = 1e-3 * self.gait.rising.range
         a = (following(planned + h, width) - following(planned - h, width)) / (2.0 * h)

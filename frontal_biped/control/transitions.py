@@ -15,7 +15,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.phase_energy import Landed, rising_energy
+from frontal_biped.phase_energy import Landed, PhaseEnergy, rising_energy, stretch_to_reversal
 from frontal_biped.virtual_constraints.anchoring import (
     ContinuedPhase,
     anchored_falling,
@@ -40,6 +40,9 @@ REJOINS = (2.0, 4.0, 8.0, 20.0, np.inf)
 
 ENOUGH_INERTIA = 0.9
 """Share of the planned falling phase's smallest I_P that counts as kept."""
+
+FULL_LOAD = 0.9
+"""Share of the torque and friction limits up to which a late reversal is left to the continuation."""
 
 AS_PLANNED = 1e-9
 """[rad] a landing this near to the planned one is the planned one."""
@@ -87,10 +90,12 @@ class AdaptiveTransitions:
     Attributes:
         biped: the robot.
         gait: the gait.
+        anticipate: stretch the rising phase of a landing so fast that its continuation would overload the robot?
     """
 
     biped: FrontalBiped
     gait: Gait
+    anticipate: bool = True
 
     name = "adaptive"
 
@@ -120,10 +125,20 @@ class AdaptiveTransitions:
                 value = energy.highest
                 if energy.reaches_barrier:
                     required = energy.at(planned.beta_end)[1]
-                    value = -energy.peak_torque(0.5 * (required + energy.highest))
+                    value = -energy.load(0.5 * (required + energy.highest), *self._limits)
                 if (energy.reaches_barrier, value) > rank:
                     best, rank = phase, (energy.reaches_barrier, value)
         return best
+
+    @cached_property
+    def _limits(self) -> tuple[FloatArray, float]:
+        spec = self.gait.specification
+        torque = np.asarray(spec.get("max_torque", self.biped.max_torque), dtype=float)
+        return torque, float(spec.get("friction", 0.6))
+
+    @cached_property
+    def _planned_energy(self) -> PhaseEnergy:
+        return rising_energy(self.biped, self.planned_rising)
 
     @cached_property
     def _planned_start(self) -> tuple[FloatArray, FloatArray]:
@@ -138,11 +153,22 @@ class AdaptiveTransitions:
             slope = landed.slope
         pose_error = float(np.max(np.abs(landed.q - q)))
         slope_error = float(np.max(np.abs(slope - self._planned_start[1]))) * abs(planned.range)
-        if max(pose_error, slope_error) < AS_PLANNED:
-            return planned
-        if planned.beta_end - landed.q[0] < LEAST_RANGE * planned.range:
-            return planned
-        return anchored_rising(planned, float(landed.q[0]), landed.q[1:], slope)
+        near_end = planned.beta_end - landed.q[0] < LEAST_RANGE * planned.range
+        if max(pose_error, slope_error) < AS_PLANNED or near_end:
+            phase, energy = planned, self._planned_energy
+        else:
+            phase = anchored_rising(planned, float(landed.q[0]), landed.q[1:], slope)
+            if not self.anticipate:
+                return phase
+            energy = rising_energy(self.biped, phase)
+        zeta = 0.5 * (energy.start_inertia * landed.dbeta) ** 2
+        if not self.anticipate or landed.dbeta <= 0.0 or energy.end < phase.beta_end:
+            return phase
+        if zeta <= energy.at(phase.beta_end)[1]:
+            return phase
+        if zeta < energy.highest and energy.load(zeta, *self._limits) < FULL_LOAD:
+            return phase
+        return stretch_to_reversal(self.biped, phase, landed.dbeta)
 
     def falling(self, rising: Phase, reversal: float) -> Phase:
         """The falling phase from the actual reversal."""

@@ -6,7 +6,7 @@ Noise and pushes act on sampled runs (see `disturbances`).
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -74,7 +74,7 @@ class SimulationSettings:
     rtol: float = 1e-9
     atol: float = 1e-11
     record_rate: float = 250.0
-    disturbances: Disturbances = Disturbances()
+    disturbances: Disturbances = field(default_factory=Disturbances)
 
     def __post_init__(self) -> None:
         if self.disturbances.any and self.period is None:
@@ -157,6 +157,7 @@ def simulate_walk(
                 recorder.event(t, segment.event, step, state)
             break
     stored = {**asdict(chosen), "controller": dict(controller_settings or {})}
+    stored["disturbances"]["pushes"] = list(stored["disturbances"]["pushes"])  # as a run file keeps it
     return recorder.finish(biped.name, outcome, step, dict(gait or {}), stored)
 
 
@@ -185,9 +186,7 @@ class _ContinuousFlow:
         """The state itself."""
         return state[:4], state[4:]
 
-    def run(
-        self, t: float, state: FloatArray, phase: StepPhase, guards: tuple[Guard, ...], stance: Stance
-    ) -> _Segment:
+    def run(self, t: float, state: FloatArray, phase: StepPhase, guards: tuple[Guard, ...], stance: Stance) -> _Segment:
         def derivative(_: float, x: FloatArray) -> FloatArray:
             q, dq = x[:4], x[4:]
             u = self.controller.command(phase, q, dq).u
@@ -272,9 +271,7 @@ class _SampledFlow:
             factor = 1.0 + self._disturbances.torque_noise * self._generator.standard_normal(4)
             self._u = self._commanded * factor
 
-    def run(
-        self, t: float, state: FloatArray, phase: StepPhase, guards: tuple[Guard, ...], stance: Stance
-    ) -> _Segment:
+    def run(self, t: float, state: FloatArray, phase: StepPhase, guards: tuple[Guard, ...], stance: Stance) -> _Segment:
         deadline = t + PHASE_TIME_LIMIT
         times, states, torques = [t], [state], []
         values = [guard.function(state[:4], state[4:]) for guard in guards]

@@ -158,9 +158,7 @@ def continued(
     """A rising phase with its continuation past s = 1; the other lengths are ``taper`` by default [rad]."""
     curvature = taper if curvature_taper is None else curvature_taper
     fri = taper if fri_taper is None else fri_taper
-    return ContinuedPhase(
-        phase.beta_start, phase.beta_end, phase.joint_bezier, phase.fri_bezier, taper, curvature, fri
-    )
+    return ContinuedPhase(phase.beta_start, phase.beta_end, phase.joint_bezier, phase.fri_bezier, taper, curvature, fri)
 
 
 def stretched(phase: ContinuedPhase, end: float) -> ContinuedPhase:
