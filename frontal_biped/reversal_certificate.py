@@ -2,8 +2,9 @@ r"""Certificate of the reversal point: existence, number, uniqueness, and what e
 
 **Region.** Z is defined where the zero dynamics is: where I_P > 0 on both phases (C03). A zero of I_P is a
 singularity, so verdicts are given on the *regular region* of the bracket ]beta_r+, beta_r^max[, where
-I_P >= `REGULAR` times its smallest value on the gait's own step. Nothing walks outside it: kappa_1 = 1/I_P grows
-without bound there. At fixed b the rising phase is one curve for every reversal point, so nothing lies beyond its first
+I_P >= `REGULAR` times its smallest value on the gait's own step, and where the robot would turn back, kappa_2 < 0 at the
+reversal (HIP2). Nothing walks outside it: kappa_1 = 1/I_P grows without bound, and a zero of Z with kappa_2 > 0 is no
+reversal point. At fixed b the rising phase is one curve for every reversal point, so nothing lies beyond its first
 zero of I_P: the region is the interval around the planned reversal. With invariance imposed every reversal point has
 a curve of its own, and the region may be several intervals. The certificate names it; all its verdicts are about it.
 
@@ -44,6 +45,9 @@ from frontal_biped.zero_dynamics import restrict
 
 REGULAR = 0.02
 """Share of the smallest I_P of the gait's own step below which a step counts as outside the region."""
+
+TURNING_BACK = 1e-3
+"""Share of the drive at the gait's own reversal that counts as turning back."""
 
 FIT_TOLERANCE = 1e-9
 """Measured error of a Chebyshev piece, relative to the largest value on it."""
@@ -279,7 +283,14 @@ def _count(
         return points[beta]
 
     scale = ENERGY_SCALE * abs(problem.balance(problem.planned).required)
-    region = _regular_region(lambda beta: balance(beta).least_inertia - floor, low, high, problem)
+    own_drive = abs(problem.balance(problem.planned).drive)
+
+    def margin(beta: float) -> float:
+        point = balance(beta)
+        turning_back = -point.drive / own_drive - TURNING_BACK
+        return min(point.least_inertia / floor - 1.0, turning_back) if point.least_inertia > 0.0 else -1.0
+
+    region = _regular_region(margin, low, high, problem)
     if connected:
         region = [(a, b) for a, b in region if a <= problem.planned <= b]
     fits: list[Fit] = []

@@ -40,7 +40,7 @@ from frontal_biped.virtual_constraints.phase import Phase
 CONVERGED = 1e-12
 """[rad] change of the reversal point at which an iteration stops."""
 
-DIFFERENCE = 1e-6
+DIFFERENCE = 1e-4
 """Step of the central difference for S', relative to the range of the rising phase."""
 
 MAX_ITERATIONS = 1000
@@ -59,6 +59,7 @@ class EnergyBalance(NamedTuple):
         drive_ratio: r, drive of the falling over that of the rising phase at the reversal [-].
         slope: dE/dbeta at fixed parameters [kg^2 m^4/(s^2 rad)].
         required: R, the energy that rising takes [kg^2 m^4/s^2].
+        drive: kappa_2/kappa_1 of the rising phase at the reversal, negative where the robot turns back (HIP2).
     """
 
     surplus: float
@@ -67,6 +68,7 @@ class EnergyBalance(NamedTuple):
     drive_ratio: float
     slope: float
     required: float
+    drive: float
 
 
 _NOT_DEFINED = float("nan")
@@ -77,14 +79,14 @@ def energy_balance(step: StepOrbit) -> EnergyBalance:
     up, down = step.rising, step.falling
     least = float(min(np.min(up.restricted.I_P), np.min(down.restricted.I_P)))
     if not least > 0.0:
-        return EnergyBalance(_NOT_DEFINED, least, *(4 * [_NOT_DEFINED]))
+        return EnergyBalance(_NOT_DEFINED, least, *(5 * [_NOT_DEFINED]))
     required, gained = float(up.z[-1]), float(down.z[-1])
     jump = step.landing.speed_ratio * up.restricted.I_P[-1] / down.restricted.I_P[-1]
     drive, multiplier = float(up.restricted.drive[0]), float(step.multiplier)
     ratio = float(down.restricted.drive[0]) / drive
     # dR/dbeta = -exp(int from beta to beta_r+ of the rate) drive, and the same for F
     slope = -np.exp(up.log_delta_squared[-1]) * drive * (multiplier * ratio - 1.0)
-    return EnergyBalance(float(jump**2 * gained - required), least, multiplier, ratio, float(slope), required)
+    return EnergyBalance(float(jump**2 * gained - required), least, multiplier, ratio, float(slope), required, drive)
 
 
 @dataclass(frozen=True)
@@ -141,7 +143,7 @@ class ReversalProblem:
         try:
             step = self.step(beta, guess)
         except ReversalError:
-            return EnergyBalance(_NOT_DEFINED, -np.inf, *(4 * [_NOT_DEFINED]))
+            return EnergyBalance(_NOT_DEFINED, -np.inf, *(5 * [_NOT_DEFINED]))
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             return energy_balance(step)
 
@@ -155,7 +157,7 @@ class ReversalProblem:
         return abs(self.planned - self.bracket[0])
 
     def slope(self, beta: float) -> float:
-        """S' by a central difference, good to about 1e-8 of its size [kg^2 m^4/(s^2 rad)]."""
+        """S' by a central difference, truncation and rounding both near 1e-7 of its size [kg^2 m^4/(s^2 rad)]."""
         h = DIFFERENCE * self.length
         return (self.S(beta + h) - self.S(beta - h)) / (2.0 * h)
 
@@ -243,7 +245,7 @@ def _zero_at_fixed_parameters(problem: ReversalProblem, guess: float) -> tuple[f
                 step = step_orbit(problem.biped, rising, falling, problem.free.step_width, problem.nodes, beta)
                 return energy_balance(step)
         except ReversalError:
-            return EnergyBalance(_NOT_DEFINED, -np.inf, *(4 * [_NOT_DEFINED]))
+            return EnergyBalance(_NOT_DEFINED, -np.inf, *(5 * [_NOT_DEFINED]))
 
     beta, point = guess, balance(guess)
     evaluations = 1
