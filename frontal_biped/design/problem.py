@@ -190,7 +190,7 @@ class DesignProblem:
             Constraint("", "orbit", "", orbit.z, FLOOR_Z, None, 10.0) for orbit in (step.rising, step.falling)
         ]
         rows = self._rows(constraints)
-        values = cast("Dual", np.concatenate([constraint.values for constraint in constraints])).block[:, rows.index]
+        values = cast("Dual", np.concatenate([constraint.values for constraint in constraints])).block[:, rows.entry]
         defect = cast("Dual", step.periodicity)
         # J is the sum of the squares of these
         torques = np.concatenate(
@@ -276,9 +276,9 @@ class DesignProblem:
 
 
 class _Rows(NamedTuple):
-    """Margins (k,) = (values[index] - bound) factor."""
+    """Margins (k,) = (values[entry] - bound) factor."""
 
-    index: NDArray[np.intp]
+    entry: NDArray[np.intp]
     bound: FloatArray
     factor: FloatArray
 
