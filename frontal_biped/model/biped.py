@@ -35,6 +35,8 @@ class FrontalBiped:
         self.stance_map = reduction.stance_map
         self.spatial_model = reduction.model
         self.spatial_reference = reduction.reference
+        self.measured = reduction.measured
+        self.asymmetry = reduction.asymmetry
         self.pinned = self.chain.pinned_model()
         self.floating = self.chain.floating_model()
         self._data = self.pinned.createData()
