@@ -11,7 +11,7 @@ from frontal_biped.analysis import analyze
 from frontal_biped.cli.demo import make_demo
 from frontal_biped.cli.main import SUCCESS, TASK_FAILED
 from frontal_biped.cli.progress import Progress
-from frontal_biped.design import GaitSpecification, design_gait, read_specification
+from frontal_biped.design import default_specification, design_gait, read_specification
 from frontal_biped.exceptions import FrontalBipedError, GaitFileError
 from frontal_biped.files import require_parent, write_text
 from frontal_biped.gait import Gait, gait_from_dict, load_gait, save_gait
@@ -33,8 +33,8 @@ def run_demo(arguments: argparse.Namespace) -> int:
 
 def run_design(arguments: argparse.Namespace) -> int:
     """`frontal-biped design`."""
-    specification = GaitSpecification() if arguments.spec is None else read_specification(arguments.spec)
     biped = load_robot(arguments.robot)
+    specification = default_specification(biped) if arguments.spec is None else read_specification(arguments.spec)
     if arguments.output is not None:
         require_parent(arguments.output)
     with Progress("designing:") as progress:

@@ -102,7 +102,7 @@ def _parser() -> argparse.ArgumentParser:
         "frontal-biped design --robot frontal_biped --spec spec.toml -o gait.json",
     )
     add_robot(design, "frontal_biped")
-    design.add_argument("--spec", metavar="S.toml", type=Path, help="gait specification; default: all defaults")
+    design.add_argument("--spec", metavar="S.toml", type=Path, help="gait specification; default: what suits the robot")
     design.add_argument("-o", "--output", metavar="G.json", type=Path, help="gait file to write")
     add_json(design)
     design.set_defaults(run=_Run("design"))

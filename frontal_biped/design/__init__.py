@@ -2,7 +2,7 @@
 
 from frontal_biped.design.optimise import DesignResult, design_gait
 from frontal_biped.design.report import ConstraintCheck, ConstraintReport, check_constraints
-from frontal_biped.design.specification import GaitSpecification, read_specification
+from frontal_biped.design.specification import GaitSpecification, default_specification, read_specification
 
 __all__ = [
     "ConstraintCheck",
@@ -10,6 +10,7 @@ __all__ = [
     "DesignResult",
     "GaitSpecification",
     "check_constraints",
+    "default_specification",
     "design_gait",
     "read_specification",
 ]

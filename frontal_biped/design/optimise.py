@@ -10,7 +10,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.design.report import ConstraintReport, check_constraints
-from frontal_biped.design.specification import GaitSpecification
+from frontal_biped.design.specification import GaitSpecification, default_specification
 from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, minimise
 from frontal_biped.exceptions import ReversalError, SpecificationError, UnreachablePoseError
 from frontal_biped.gait import Gait, RobotReference, converged_nodes, orbit_numbers
@@ -67,7 +67,7 @@ def design_gait(
 
     Args:
         biped: the robot.
-        specification: the bounds; default: all defaults.
+        specification: the bounds; default: `default_specification`, what the robot's description asks for.
         start: (P,) variables of `DesignProblem` to start from; default: its own start.
         on_progress: called with iteration, J [N^2 m s] and largest scaled violation.
 
@@ -78,7 +78,7 @@ def design_gait(
         UnreachablePoseError: no double support pose exists at the start.
         SpecificationError: the FRI margin leaves no room in the robot's sole.
     """
-    spec = GaitSpecification() if specification is None else specification
+    spec = default_specification(biped) if specification is None else specification
     outer, inner = biped.sole
     if 2.0 * spec.fri_margin >= inner - outer:
         raise SpecificationError(

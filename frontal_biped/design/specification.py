@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.exceptions import SpecificationError
+from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.toml_fields import finite_number, load_toml, reject_unknown_keys
 
 
@@ -101,6 +102,15 @@ def read_specification(path: Path) -> GaitSpecification:
         SpecificationError: the file is missing or malformed, a key is unknown, a value of the wrong type or range.
     """
     return GaitSpecification.from_dict(load_toml(path, SpecificationError), str(path))
+
+
+def default_specification(biped: FrontalBiped) -> GaitSpecification:
+    """The specification that suits a robot: the ``[gait]`` table of its description, defaults where it says nothing.
+
+    Raises:
+        SpecificationError: the table has an unknown key, or a value of the wrong type or range.
+    """
+    return GaitSpecification.from_dict(dict(biped.description.gait), f"{biped.path}: [gait]")
 
 
 _INTEGER_RANGES = (("degree", 3, 12), ("fri_degree", 1, 12), ("seed", 0, 2**63 - 1))
