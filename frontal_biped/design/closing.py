@@ -8,7 +8,6 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.gait import Gait, RobotReference, converged_nodes, orbit_numbers
 from frontal_biped.poincare import StepOrbit, step_orbit
-from frontal_biped.virtual_constraints.invariance import complete
 from frontal_biped.virtual_constraints.phase import Phase
 
 NEWTON_STEPS = 6  # on the periodicity equation; quadratic, from about 1e-8
@@ -52,11 +51,11 @@ def close_step(problem: DesignProblem, x: FloatArray, newton: bool = True) -> Cl
         ReversalError: a phase has no range of beta.
     """
     biped = problem.biped
-    phases = complete(biped, problem.unpack(x))
+    phases = problem.phases(x)
     nodes = converged_nodes(biped, *phases, float(x[2]))
     if newton:
-        x = _newton(DesignProblem(biped, problem.specification, nodes), x)
-        phases = complete(biped, problem.unpack(x))
+        x = _newton(problem.on_nodes(nodes), x)
+        phases = problem.phases(x)
     return ClosedStep(x, phases, step_orbit(biped, *phases, float(x[2]), nodes))
 
 

@@ -9,7 +9,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.frontal_chain import GRAVITY
-from frontal_biped.poincare import StepOrbit
+from frontal_biped.poincare import Landing, StepOrbit
 from frontal_biped.zero_dynamics import F_H, F_V, TORQUES
 
 STEP_WIDTH = "step width"
@@ -74,6 +74,7 @@ def step_constraints(
     step: StepOrbit,
     soles: SoleHeights,
     duration: FloatArray | float | None = None,
+    departure: Landing | None = None,
 ) -> list[Constraint]:
     """Every constraint of the specification, evaluated on a step.
 
@@ -83,13 +84,15 @@ def step_constraints(
         step: the step, sampled from the reversal (first) to the impact (last).
         soles: heights of the swing sole at the same points.
         duration: of the step [s], where the points of ``step`` are no quadrature nodes.
+        departure: the impact that the step begins with; default: the one it ends with, as in a periodic gait. A step
+            between two gaits, which departs from another impact, has no multiplier.
 
     Returns:
         The constraints, in the order of their codes.
     """
     spec = specification
     rising, falling, landing = step.rising, step.falling, step.landing
-    speed_before, speed_after = falling.dbeta[-1], rising.dbeta[-1]
+    speed_before = falling.dbeta[-1]
     both = (("rising", rising, soles.rising), ("falling", falling, soles.falling))
     found: list[Constraint] = []
 
@@ -108,8 +111,10 @@ def step_constraints(
         pair = (keys, keys) if isinstance(keys, str) else keys
         found.append(Constraint(code, name, unit, values, lower, upper, scale, strict, pair))
 
-    top = 1.0 if spec.max_multiplier is None else spec.max_multiplier
-    add("C01", MULTIPLIER, "-", _one(step.multiplier), 0.0, top, 0.1, ("", "max_multiplier"), strict=True)
+    if departure is None:
+        departure = landing
+        top = 1.0 if spec.max_multiplier is None else spec.max_multiplier
+        add("C01", MULTIPLIER, "-", _one(step.multiplier), 0.0, top, 0.1, ("", "max_multiplier"), strict=True)
     add("C01", "zeta_f* at the impact, about the FRI", ENERGY, _one(falling.z[-1]), 0.0, None, 10.0, strict=True)
     for name, orbit, _ in both:
         add("C02", f"range of beta, {name}", "rad", _one(orbit.Delta), spec.min_phase_range, None, 0.02, RANGE)
@@ -124,7 +129,7 @@ def step_constraints(
     for name, orbit, height in both:
         # height / (1 - t2): the bound is a constant then, also in the limit at the foot's own end on the ground
         inside = height[:, :-1] / (1.0 - orbit.tau[:-1] ** 2)
-        end = landing.touchdown if name == "falling" else landing.lift_off / landing.speed_ratio
+        end = landing.touchdown if name == "falling" else departure.lift_off / departure.speed_ratio
         heights = np.concatenate([inside[0], inside[1], end * orbit.Delta])
         add("C05", f"sole height / (1 - t2), {name}", "m", heights, spec.swing_clearance, None, 0.01, CLEARANCE)
     torque = np.asarray(spec.max_torque) if spec.max_torque is not None else biped.max_torque
@@ -155,7 +160,7 @@ def step_constraints(
     add("C07", "L_h / L_v", "-", impulse[:1] / impulse[1:2], -spec.friction, spec.friction, 0.1, "friction")
     # the landing foot is mirrored: its inner end points towards -h
     add("C07", "impulse in the sole", "m", impulse[2:] / impulse[1:2], -biped.sole[1], -biped.sole[0], 0.02)
-    lift_off = landing.lift_off * (speed_after / landing.speed_ratio)
+    lift_off = landing.lift_off * speed_before
     add("C08", "lift-off speed of the old stance sole", "m/s", lift_off, 0.0, None, 0.05)
     seconds = _one(step.duration if duration is None else duration)
     add("C09", "step duration", "s", seconds, *spec.step_duration, 0.1, ("step_duration[0]", "step_duration[1]"))

@@ -177,7 +177,7 @@ class _Design:
             report = check_constraints(self.biped, self.spec, *closed.phases, closed.step)
             if report.satisfied or not result.feasible:
                 break
-            problem.tighten({(check.code, check.name): -check.margin / check.scale for check in report.violated})
+            problem.tighten(report.shortfall)
         return _Candidate(x, result, problem, closed, report, "")
 
     def _progress(self) -> Progress | None:

@@ -28,12 +28,13 @@ from frontal_biped.virtual_constraints.bezier import bernstein, elevate
 from frontal_biped.virtual_constraints.invariance import (
     FreeParameters,
     PhaseParameters,
+    complete,
     double_support_pose,
     falling_parameters,
     final_falling_slope,
     rising_parameters,
 )
-from frontal_biped.virtual_constraints.phase import ConstrainedMotion, constrained_motion, phase_basis
+from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase, constrained_motion, phase_basis
 from frontal_biped.zero_dynamics import TORQUES, PhaseOrbit, RestrictedDynamics, integrate_from_reversal
 
 FLOOR_Z = 1e-2
@@ -105,6 +106,10 @@ class DesignProblem:
         self.tighten_by = tighten_by
         self._tightened: dict[tuple[str, str], float] = {}
         self._layout: _MarginLayout | None = None
+
+    def on_nodes(self, size: int) -> "DesignProblem":
+        """The same problem on ``size`` quadrature nodes a phase, nothing tightened."""
+        return DesignProblem(self.biped, self.specification, size)
 
     # ------------------------------------------------------------------ variables
     def unpack(self, x: FloatArray) -> FreeParameters:
@@ -191,7 +196,7 @@ class DesignProblem:
             rising=_with_floor(step.rising),
             falling=_with_floor(step.falling),
         )
-        constraints = step_constraints(self.biped, self.specification, lifted, soles)
+        constraints = self.constraints(lifted, soles)
         # the orbit itself must exist, whatever the floor says
         constraints += [
             Constraint("", "orbit", "", orbit.z, FLOOR_Z, None, 10.0) for orbit in (step.rising, step.falling)
@@ -200,7 +205,7 @@ class DesignProblem:
             self._layout = self._lay_out(constraints)
         layout = self._layout
         values = cast("Dual", np.concatenate([constraint.values for constraint in constraints])).block[:, layout.picks]
-        equality = cast("Dual", np.concatenate([np.stack([step.periodicity]), *surplus]))
+        equality = cast("Dual", np.concatenate([np.stack(self.balance(step)), *surplus]))
         # J is the sum of the squares of these
         torques = np.concatenate(
             [_weighted_torques(orbit, lifted.step_width) for orbit in (lifted.rising, lifted.falling)]
@@ -215,6 +220,22 @@ class DesignProblem:
             (values[0] - layout.bound) * layout.factor,
             (values[1:] * layout.factor).T,
         )
+
+    def constraints(self, step: StepOrbit, soles: SoleHeights, duration: float | None = None) -> list[Constraint]:
+        """The constraints of a step of this problem; ``duration`` where the step is not on quadrature nodes."""
+        return step_constraints(self.biped, self.specification, step, soles, duration)
+
+    def balance(self, step: StepOrbit) -> list[float]:
+        """Energies that must match [rad^2/s^2]: a periodic step returns the speed it began with."""
+        return [step.periodicity]
+
+    def phases(self, x: FloatArray) -> tuple[Phase, Phase]:
+        """Rising and falling phase at x (P,).
+
+        Raises:
+            UnreachablePoseError: the final pose does not exist.
+        """
+        return complete(self.biped, self.unpack(x))
 
     def rows(self) -> "tuple[MarginRow, ...]":
         """What the margins of the last evaluation mean, in their order."""
@@ -287,7 +308,7 @@ class DesignProblem:
         dq_minus = final_falling_slope(free, cast("FloatArray", q_minus))
         flat = self._differentiable.impact(q_minus, cast("Dual", dq_minus))
         landing = Landing(*(cast("FloatArray", flat[part]) for part in _LANDING_PARTS))
-        rising = rising_parameters(free, cast("FloatArray", q_minus), landing.dq_plus[1:] / landing.speed_ratio)
+        rising = self._rising(free, cast("FloatArray", q_minus), landing)
         falling = falling_parameters(free, cast("FloatArray", q_minus), rising)
         motions = [self._motion(+1, rising), self._motion(-1, falling)]
         up, down = self._differentiable.project(motions)
@@ -296,6 +317,10 @@ class DesignProblem:
         surplus = [_surplus(phase.joint_bezier, self.specification.degrees) for phase in (rising, falling)]
         step = StepOrbit(rise, fall, landing, free.step_width)
         return step, SoleHeights(up.soles, down.soles), [part for parts in surplus for part in parts]
+
+    def _rising(self, free: FreeParameters, q_minus: FloatArray, landing: Landing) -> PhaseParameters:
+        """The rising phase begins where this very step lands."""
+        return rising_parameters(free, q_minus, landing.dq_plus[1:] / landing.speed_ratio)
 
     def _motion(self, direction: int, phase: PhaseParameters) -> ConstrainedMotion:
         rising = direction > 0

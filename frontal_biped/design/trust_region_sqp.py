@@ -197,7 +197,7 @@ class _Iteration:
         settings = self.settings
         converged, message, count = False, "the iteration limit was reached", 0
         settled = np.inf  # violation where the iteration settled under the last penalty
-        if not _violation(self.point) < OUTSIDE_DOMAIN:
+        if not (_violation(self.point) < OUTSIDE_DOMAIN and np.isfinite(self.point.cost)):
             message = "the start is outside the domain of the problem"
             violation = _violation(self.point)
             return SqpResult(self.x, self.point.cost, violation, 0, self.evaluations, False, False, message)
