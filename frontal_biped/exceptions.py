@@ -49,5 +49,9 @@ class SimulationError(FrontalBipedError):
     """Settings of a simulation that contradict each other."""
 
 
+class LibraryError(FrontalBipedError):
+    """A gait library that is not there, holds something else, or cannot be built where it was asked for."""
+
+
 class MissingExtraError(FrontalBipedError):
     """An optional dependency is needed; the message names the extra that brings it."""

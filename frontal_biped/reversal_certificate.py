@@ -2,9 +2,9 @@ r"""Certificate of the reversal point: existence, number, uniqueness, and what e
 
 **Region.** Z is defined where the zero dynamics is: where I_P > 0 on both phases (C03). A zero of I_P is a
 singularity, so verdicts are given on the *regular region* of the bracket ]beta_r+, beta_r^max[, where
-I_P >= `REGULAR` times its smallest value on the gait's own step, and where the robot would turn back, kappa_2 < 0 at the
-reversal (HIP2). Nothing walks outside it: kappa_1 = 1/I_P grows without bound, and a zero of Z with kappa_2 > 0 is no
-reversal point. At fixed b the rising phase is one curve for every reversal point, so nothing lies beyond its first
+I_P >= `REGULAR` times its smallest value on the gait's own step, and where the robot would turn back, kappa_2 < 0 at
+the reversal (HIP2). Nothing walks outside it: kappa_1 = 1/I_P grows without bound, and a zero of Z with kappa_2 > 0 is
+no reversal point. At fixed b the rising phase is one curve for every reversal point, so nothing lies beyond its first
 zero of I_P: the region is the interval around the planned reversal. With invariance imposed every reversal point has
 a curve of its own, and the region may be several intervals. The certificate names it; all its verdicts are about it.
 

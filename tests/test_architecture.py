@@ -31,8 +31,9 @@ MAY_IMPORT = {
     },
     "gait": {"model", "virtual_constraints", "zero_dynamics", "poincare"},
     "design": {
-        "model", "quadrature", "quadratic_program", "virtual_constraints", "zero_dynamics", "poincare", "gait",
+        "model", "quadrature", "virtual_constraints", "zero_dynamics", "poincare", "gait", "simulation", "walking",
     },
+    "library": {"model", "design", "gait"},
     "control": {"model", "virtual_constraints", "gait", "quadratic_program", "phase_energy"},
     "return_map": {"model", "virtual_constraints", "zero_dynamics", "poincare", "phase_energy", "gait", "control"},
     "simulation": {"model", "virtual_constraints", "control"},
@@ -47,6 +48,7 @@ ONLY_IN = {
     "matplotlib": {"visualisation"},
     "umsgpack": {"visualisation"},
     "proxsuite": {"quadratic_program"},
+    "distributed": {"library"},
 }
 
 

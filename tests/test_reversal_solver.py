@@ -1,4 +1,4 @@
-"""The reversal point with invariance imposed: the paper's iteration, Newton's method, every zero, and the certificate."""
+"""The reversal point with invariance imposed: the paper's iteration, Newton's method, every zero, certificate."""
 
 from dataclasses import replace
 

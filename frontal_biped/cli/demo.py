@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.analysis import GaitAnalysis, analyze
-from frontal_biped.design import DesignResult, GaitSpecification, design_gait
+from frontal_biped.design import DesignResult, default_specification, design_gait
 from frontal_biped.exceptions import DesignFailedError
 from frontal_biped.files import require_folder, write_json
 from frontal_biped.gait import Gait, save_gait
@@ -194,7 +194,7 @@ def _compute(
     with timed("design"):
         design = design_gait(
             biped,
-            GaitSpecification(),
+            default_specification(biped),
             on_progress=lambda i, cost, _: say(f"designing, iteration {i}, J = {cost:.2f} N^2 m s"),
         )
     if design.gait is None:

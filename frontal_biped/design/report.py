@@ -9,7 +9,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.constraints import Constraint, SoleHeights, step_constraints
 from frontal_biped.design.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.poincare import StepOrbit
+from frontal_biped.poincare import Landing, StepOrbit
 from frontal_biped.virtual_constraints.phase import Phase
 from frontal_biped.zero_dynamics import PhaseOrbit, resample
 
@@ -66,6 +66,11 @@ class ConstraintReport:
         return all(check.satisfied for check in self.checks)
 
     @property
+    def shortfall(self) -> dict[tuple[str, str], float]:
+        """Scaled violations by code and name, for `DesignProblem.tighten`."""
+        return {(check.code, check.name): -check.margin / check.scale for check in self.violated}
+
+    @property
     def violated(self) -> tuple[ConstraintCheck, ...]:
         """Those that do not, the worst first."""
         missed = [check for check in self.checks if not check.satisfied]
@@ -94,6 +99,7 @@ def check_constraints(
     falling: Phase,
     step: StepOrbit,
     points: int = DENSE_POINTS,
+    departure: Landing | None = None,
 ) -> ConstraintReport:
     """Evaluate every constraint on a grid of ``points`` a phase, uniform in tau from the reversal to the impact.
 
@@ -104,8 +110,9 @@ def check_constraints(
         falling: virtual constraints of the falling phase.
         step: the step on converged quadrature nodes.
         points: of the grid, both ends included.
+        departure: the impact that the step begins with, where it is not the one it ends with.
     """
-    constraints = dense_constraints(biped, specification, rising, falling, step, points)
+    constraints = dense_constraints(biped, specification, rising, falling, step, points, departure)
     checks = [_worst(constraint) for constraint in constraints]
     ends = biped.swing_sole(step.falling.motion.q[-1])[:, 1]
     flat = float(np.max(np.abs(ends)))
@@ -131,6 +138,7 @@ def dense_constraints(
     falling: Phase,
     step: StepOrbit,
     points: int = DENSE_POINTS,
+    departure: Landing | None = None,
 ) -> list[Constraint]:
     """The constraints of a step on a uniform grid in tau."""
     tau = np.linspace(0.0, 1.0, points)
@@ -138,7 +146,8 @@ def dense_constraints(
     down = resample(biped, falling, step.falling, tau)
     soles = SoleHeights(_soles(biped, up), _soles(biped, down))
     # the duration is an integral and keeps the accuracy of the quadrature
-    return step_constraints(biped, specification, step._replace(rising=up, falling=down), soles, step.duration)
+    dense = step._replace(rising=up, falling=down)
+    return step_constraints(biped, specification, dense, soles, step.duration, departure)
 
 
 def _soles(biped: FrontalBiped, orbit: PhaseOrbit) -> FloatArray:

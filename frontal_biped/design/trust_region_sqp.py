@@ -12,19 +12,24 @@ started from it, to finish (cf. Nocedal and Wright, Numerical Optimization, Ch. 
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.quadratic_program import UNBOUNDED, ProxQpSolver, QpSolution, QuadraticProgram
-
-QP_MAX_ITERATIONS = 60
-"""Outer iterations of ProxQP a subproblem: a good one needs ten; a hopeless one is cut off, and its step judged by the
-penalty function like any other."""
+from frontal_biped.design.least_distance import solve_least_distance
 
 GAIN_OF_PENALTY = 0.7
 """A larger penalty that leaves more than this share of the violation will not make the problem feasible."""
+
+STEERED = 0.3
+"""A step that leaves more than this share of the violation asks whether a larger penalty would leave less."""
+
+CLOSE = 0.02
+"""A predicted decrease below this share of the cost is close to the answer; ..."""
+
+GAIN_OF_GAUSS_NEWTON = 0.6
+"""... if less than this share of it comes true there, curvature that Gauss-Newton does not see has the say."""
 
 OUTSIDE_DOMAIN = 1e6
 """A scaled violation this large means that the start lies where the formulas have no meaning."""
@@ -82,12 +87,27 @@ class SqpSettings:
     cost_scale: float = 1e-2
     penalty: float = 1e3
     max_penalty: float = 1e6
-    radius: float = 1.0
+    radius: float = 0.1
     max_radius: float = 10.0
     min_radius: float = 1e-9
     max_iterations: int = 300
     tolerance: float = 1e-7
     feasible: float = 1e-7
+
+
+class Multipliers(NamedTuple):
+    """Of the scaled problem: what a unit of each bound costs.
+
+    Attributes:
+        margins: (k,) not negative.
+        equality: (e,).
+        box: (P,) of the bounds of the scaled variables, positive at the lower one; zero where the trust region and
+            not the bound holds the variable.
+    """
+
+    margins: FloatArray
+    equality: FloatArray
+    box: FloatArray
 
 
 @dataclass(frozen=True)
@@ -103,6 +123,7 @@ class SqpResult:
         converged: was the predicted decrease below the tolerance?
         feasible: was the violation small enough?
         message: why it stopped.
+        multipliers: of the last subproblem; None before the first.
     """
 
     x: FloatArray
@@ -113,6 +134,7 @@ class SqpResult:
     converged: bool
     feasible: bool
     message: str
+    multipliers: Multipliers | None = None
 
 
 def minimise(
@@ -142,6 +164,13 @@ def minimise(
     return iteration.run(on_iteration)
 
 
+class _Step(NamedTuple):
+    """Answer of a subproblem: scaled step (P,) and multipliers."""
+
+    step: FloatArray
+    multipliers: Multipliers
+
+
 class _Iteration:
     """State of one run: point, Hessian, trust region."""
 
@@ -162,18 +191,27 @@ class _Iteration:
         self.penalty = settings.penalty
         self.hessian = self._gauss_newton()
         self.secant = False
+        self.multipliers: Multipliers | None = None
 
     def run(self, on_iteration: Callable[[int, float, float], None] | None) -> SqpResult:
         settings = self.settings
         converged, message, count = False, "the iteration limit was reached", 0
         settled = np.inf  # violation where the iteration settled under the last penalty
-        if not _violation(self.point) < OUTSIDE_DOMAIN:
+        if not (_violation(self.point) < OUTSIDE_DOMAIN and np.isfinite(self.point.cost)):
             message = "the start is outside the domain of the problem"
             violation = _violation(self.point)
             return SqpResult(self.x, self.point.cost, violation, 0, self.evaluations, False, False, message)
         for count in range(1, settings.max_iterations + 1):
-            step, solution, kept = self._subproblem(self.point, np.zeros_like(self.x))
-            predicted = self._merit(self.point) - self._model(step)
+            try:
+                answer = self._steered()
+            except ArithmeticError:  # never without rounding: the slack makes every subproblem feasible
+                if self.radius < settings.min_radius:
+                    message = "rounding: the subproblem has no answer"
+                    break
+                self.radius, self.hessian = 0.25 * self.radius, self._gauss_newton()
+                continue
+            self.multipliers = answer.multipliers
+            predicted = self._merit(self.point) - self._model(answer.step)
             if predicted < settings.tolerance or self.radius < settings.min_radius:
                 if not self.secant:  # Gauss-Newton is done: finish with curvature of the constraints
                     self.secant, self.radius = True, max(self.radius, 1e-2)
@@ -189,7 +227,9 @@ class _Iteration:
                 converged = predicted < settings.tolerance
                 message = "converged" if converged else "the trust region became too small"
                 break
-            self._take(step, solution, kept, predicted)
+            gain = self._take(answer, predicted)
+            close = predicted < CLOSE * settings.cost_scale * self.point.cost
+            self.secant = self.secant or (close and gain < GAIN_OF_GAUSS_NEWTON)
             if on_iteration is not None:
                 on_iteration(count, self.point.cost, _violation(self.point))
         violation = _violation(self.point)
@@ -202,23 +242,24 @@ class _Iteration:
             converged,
             violation <= settings.feasible,
             message,
+            self.multipliers,
         )
 
     # ------------------------------------------------------------------ one step
-    def _take(self, step: FloatArray, solution: QpSolution, kept: FloatArray, predicted: float) -> None:
-        merit = self._merit(self.point)
+    def _take(self, answer: _Step, predicted: float) -> float:
+        """Try the step; returns its gain, the actual over the predicted decrease."""
+        merit, step = self._merit(self.point), answer.step
         trial = self._evaluate(step)
         gain = (merit - self._merit(trial)) / predicted
         if gain < 0.75 and _violation(self.point) < _violation(trial) < 5.0:
-            corrected, *_ = self._subproblem(trial, step)
-            second = self._evaluate(corrected)
+            corrected, second = self._corrected(trial, step)
             if self._merit(second) < self._merit(trial):
                 step, trial = corrected, second
                 gain = (merit - self._merit(trial)) / predicted
         length = float(np.max(np.abs(step)))
         if gain > 1e-4:
             if self.secant:
-                self._update_hessian(step, trial, solution, kept)
+                self._update_hessian(step, trial, answer.multipliers)
             self.x = np.clip(self.x + self.scale * step, self.low, self.high)
             self.point = trial
             if not self.secant:
@@ -227,8 +268,36 @@ class _Iteration:
             self.radius = min(2.0 * self.radius, self.settings.max_radius)
         elif gain < 0.25:
             self.radius = (0.5 if gain > 0.0 else 0.25) * length
+        return gain
 
-    def _subproblem(self, at: PointEvaluation, shift: FloatArray) -> tuple[FloatArray, QpSolution, FloatArray]:
+    def _steered(self) -> _Step:
+        """The next step, under a penalty large enough for the constraints' linearisations to be worth meeting.
+
+        Where the step leaves most of the violation but a larger penalty would not, the penalty grows at once
+        (steering rule, cf. Byrd, Nocedal and Waltz 2008), not only when the iteration has settled.
+        """
+        answer = self._subproblem(self.point, np.zeros_like(self.x))
+        violation = _violation(self.point)
+        left = self._linear_violation(answer.step)
+        while left > max(STEERED * violation, self.settings.feasible) and self.penalty < self.settings.max_penalty:
+            self.penalty *= 10.0
+            other = self._subproblem(self.point, np.zeros_like(self.x))
+            other_left = self._linear_violation(other.step)
+            if other_left > GAIN_OF_PENALTY * left:
+                self.penalty /= 10.0
+                break
+            answer, left = other, other_left
+        return answer
+
+    def _corrected(self, trial: PointEvaluation, step: FloatArray) -> tuple[FloatArray, PointEvaluation]:
+        """Second-order correction: the same step with the constraints' values where it ended."""
+        try:
+            corrected = self._subproblem(trial, step).step
+        except ArithmeticError:
+            return step, trial
+        return corrected, self._evaluate(corrected)
+
+    def _subproblem(self, at: PointEvaluation, shift: FloatArray) -> _Step:
         """Elastic QP in (step, t), with constraint values taken at ``at`` = x + shift (second-order correction)."""
         point, scale, n = self.point, self.scale, len(self.x)
         A, a = point.margins_jacobian * scale, point.equality_jacobian * scale
@@ -238,21 +307,23 @@ class _Iteration:
         # rows that cannot become active inside the box are left out
         kept = margins - np.abs(A) @ np.maximum(-low, high) < 0.0
         elastic = np.concatenate([A[kept], a, -a])
-        slack = np.ones((len(elastic), 1))
+        rows, k = np.eye(n + 1), len(elastic)
+        C = np.zeros((k + 2 * n + 1, n + 1))
+        C[:k, :n], C[:k, n] = elastic, 1.0
+        C[k : k + n + 1], C[k + n + 1 :] = rows, -rows[:n]
+        c = np.concatenate([-margins[kept], -equality, equality, low, [0.0], -high])
         H = np.zeros((n + 1, n + 1))
-        H[:n, :n] = self.hessian
-        H[n, n] = 1e-6  # keeps the slack's column from being singular
-        qp = QuadraticProgram(
-            H=H,
-            g=np.append(self.settings.cost_scale * point.cost_gradient * scale, self.penalty),
-            A=np.zeros((0, n + 1)),
-            b=np.zeros(0),
-            C=np.concatenate([np.hstack([elastic, slack]), np.eye(n + 1)]),
-            l=np.concatenate([-margins[kept], -equality, equality, low, [0.0]]),
-            u=np.concatenate([np.full(len(elastic), UNBOUNDED), high, [UNBOUNDED]]),
-        )
-        solution = ProxQpSolver(accuracy=1e-8, max_iterations=QP_MAX_ITERATIONS, retry=False).solve(qp)
-        return np.clip(solution.x[:n], low, high), solution, kept
+        H[:n, :n], H[n, n] = self.hessian, self.penalty
+        g = np.append(self.settings.cost_scale * point.cost_gradient * scale, self.penalty)
+        answer = solve_least_distance(H, g, C, c)
+        inequality = np.zeros(len(kept))
+        e, count = len(equality), k - 2 * len(equality)
+        inequality[kept] = answer.multipliers[:count]
+        both = answer.multipliers[count:k]
+        at_low = np.where((self.low - self.x) / scale >= -self.radius, answer.multipliers[k : k + n], 0.0)
+        at_high = np.where((self.high - self.x) / scale <= self.radius, answer.multipliers[k + n + 1 :], 0.0)
+        multipliers = Multipliers(inequality, both[:e] - both[e:], at_low - at_high)
+        return _Step(np.clip(answer.x[:n], low, high), multipliers)
 
     # ------------------------------------------------------------------ models
     def _evaluate(self, step: FloatArray) -> PointEvaluation:
@@ -260,34 +331,38 @@ class _Iteration:
         return self.evaluate(np.clip(self.x + self.scale * step, self.low, self.high))
 
     def _merit(self, point: PointEvaluation) -> float:
-        merit = self.settings.cost_scale * point.cost + self.penalty * _violation(point)
+        merit = self.settings.cost_scale * point.cost + self._price(_violation(point))
         # an iterate outside the domain of the formulas (nan, or a cost of nonsense) is no progress
         return merit if np.isfinite(merit) and point.cost > 0.0 else np.inf
 
+    def _price(self, violation: float) -> float:
+        """Of a violation t: rho (t + t^2/2). The square keeps the subproblem strictly convex in the slack."""
+        return self.penalty * (violation + 0.5 * violation**2)
+
+    def _linear_violation(self, step: FloatArray) -> float:
+        """Largest violation of the linearised constraints after a step."""
+        point, change = self.point, self.scale * step
+        margins = point.margins + point.margins_jacobian @ change
+        equality = point.equality + point.equality_jacobian @ change
+        return max(0.0, float(-np.min(margins, initial=0.0)), float(np.max(np.abs(equality), initial=0.0)))
+
     def _model(self, step: FloatArray) -> float:
-        point, scale = self.point, self.scale
-        margins = point.margins + (point.margins_jacobian * scale) @ step
-        equality = point.equality + (point.equality_jacobian * scale) @ step
-        violation = max(0.0, float(-np.min(margins, initial=0.0)), float(np.max(np.abs(equality), initial=0.0)))
-        gradient = self.settings.cost_scale * point.cost_gradient * scale
+        gradient = self.settings.cost_scale * self.point.cost_gradient * self.scale
         quadratic = gradient @ step + 0.5 * step @ self.hessian @ step
-        return float(self.settings.cost_scale * point.cost + quadratic + self.penalty * violation)
+        price = self._price(self._linear_violation(step))
+        return float(self.settings.cost_scale * self.point.cost + quadratic + price)
 
     def _gauss_newton(self) -> FloatArray:
         R = self.point.residual_jacobian * self.scale
-        return 2.0 * self.settings.cost_scale * R.T @ R + 1e-6 * np.eye(len(self.x))
+        # einsum, not a BLAS product: the digits must not depend on the number of threads
+        return 2.0 * self.settings.cost_scale * np.einsum("ri,rj->ij", R, R) + 1e-6 * np.eye(len(self.x))
 
-    def _update_hessian(self, step: FloatArray, trial: PointEvaluation, solution: QpSolution, kept: FloatArray) -> None:
+    def _update_hessian(self, step: FloatArray, trial: PointEvaluation, price: Multipliers) -> None:
         """Powell's damped BFGS update with the multipliers of the quadratic program."""
-        e = len(trial.equality)
-        count = int(kept.sum())
-        inequality = np.zeros(len(kept))
-        inequality[kept] = solution.z[:count]
-        equality = solution.z[count : count + e] - solution.z[count + e : count + 2 * e]
 
         def gradient(point: PointEvaluation) -> FloatArray:
             lagrangian = self.settings.cost_scale * point.cost_gradient
-            lagrangian = lagrangian + point.margins_jacobian.T @ inequality + point.equality_jacobian.T @ equality
+            lagrangian = lagrangian - price.margins @ point.margins_jacobian - price.equality @ point.equality_jacobian
             return lagrangian * self.scale
 
         change = gradient(trial) - gradient(self.point)

@@ -35,6 +35,8 @@ class FrontalBiped:
         self.stance_map = reduction.stance_map
         self.spatial_model = reduction.model
         self.spatial_reference = reduction.reference
+        self.measured = reduction.measured
+        self.asymmetry = reduction.asymmetry
         self.pinned = self.chain.pinned_model()
         self.floating = self.chain.floating_model()
         self._data = self.pinned.createData()
@@ -85,6 +87,21 @@ class FrontalBiped:
     def max_torque(self) -> FloatArray:
         """(4,) torque limits [N m]."""
         return self.chain.max_torque
+
+    @property
+    def joint_lower(self) -> FloatArray:
+        """(4,) lowest q every joint may take, whichever foot stands [rad]; -inf where the URDF has no limit."""
+        return np.maximum(self.chain.lower, self.chain.lower[::-1])
+
+    @property
+    def joint_upper(self) -> FloatArray:
+        """(4,) highest q every joint may take, whichever foot stands [rad]; inf where the URDF has no limit."""
+        return np.minimum(self.chain.upper, self.chain.upper[::-1])
+
+    @property
+    def joint_max_velocity(self) -> FloatArray:
+        """(4,) largest |dq| of every joint, whichever foot stands [rad/s]; inf where the URDF has no limit."""
+        return np.minimum(self.chain.max_velocity, self.chain.max_velocity[::-1])
 
     @property
     def leg_length(self) -> float:

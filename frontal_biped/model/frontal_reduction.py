@@ -1,10 +1,5 @@
-"""Reduce a URDF to its frontal plane: lock every joint but four, check HR1 to HR4, project the inertias.
+"""Reduce a URDF to its frontal plane: lock every joint but four, check HR1 to HR5, project, symmetrise."""
 
-Only mass, (y, z) of the centre of mass and the moment of inertia about X of each body enter a motion in the
-frontal plane; the projection below is therefore exact, not an approximation, once the four axes are along X.
-"""
-
-import difflib
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -13,34 +8,39 @@ import numpy as np
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.exceptions import HypothesisError, RobotError
+from frontal_biped.exceptions import HypothesisError
 from frontal_biped.model.description import ROLL_JOINTS, RobotDescription
-from frontal_biped.model.frontal_chain import UPRIGHT, FrontalChain, PlanarBody
+from frontal_biped.model.frontal_chain import FrontalChain
+from frontal_biped.model.locked_model import ROOT, build_model, lock_other_joints
+from frontal_biped.model.projection import PELVIS, FrontalBodies, RollJoint, planar_inertia
 from frontal_biped.model.stance_map import StanceMap
+from frontal_biped.model.symmetry import MOST_AVERAGED, Asymmetry, asymmetry, symmetrised
 
 AXIS_TOLERANCE = 1e-3
 """Largest angle [rad] between a roll axis and world X; beyond it the motion leaves the plane measurably."""
 
-SYMMETRY_TOLERANCE = 1e-6
-"""Largest relative difference between the mirrored legs (HR3); a URDF prints at least seven digits."""
-
-ROOT = "root_joint"
+FLAT_TOLERANCE = 1e-3
+"""Largest roll [rad] of a foot at the reference posture."""
 
 
 class FrontalReduction(NamedTuple):
     """What the reduction of a URDF yields.
 
     Attributes:
-        chain: the planar biped.
+        chain: the planar biped, legs mirrored.
         stance_map: between URDF joint coordinates and stance coordinates.
         model: 3D Pinocchio model, free-flyer root and the four roll joints, the others locked.
         reference: configuration of ``model`` at the posture, all roll joints at their reference angle.
+        measured: the robot in its frontal plane as the URDF has it, before the legs were made equal.
+        asymmetry: how much that changed.
     """
 
     chain: FrontalChain
     stance_map: StanceMap
     model: pin.Model
     reference: FloatArray
+    measured: FrontalBodies
+    asymmetry: Asymmetry
 
 
 def reduce_to_frontal_plane(description: RobotDescription, urdf_text: str) -> FrontalReduction:
@@ -59,14 +59,9 @@ def reduce_to_frontal_plane(description: RobotDescription, urdf_text: str) -> Fr
             frontal plane (HR1 to HR4).
     """
     where = str(description.path)
-    try:
-        full = pin.buildModelFromXML(urdf_text, pin.JointModelFreeFlyer())
-    except (ValueError, RuntimeError) as error:
-        reason = " ".join(str(error).split())
-        raise RobotError(f"{description.urdf}: Pinocchio cannot read it, {reason}; check it with check_urdf") from None
+    full = build_model(description, urdf_text)
     _check_actuators(urdf_text, description, where)  # HR4
-    full.name = description.name
-    model, reference = _lock_other_joints(full, description, where)
+    model, reference = lock_other_joints(full, description, urdf_text, where)
     data = model.createData()
     pin.forwardKinematics(model, data, reference)
     pin.computeJointJacobians(model, data, reference)
@@ -81,37 +76,28 @@ def reduce_to_frontal_plane(description: RobotDescription, urdf_text: str) -> Fr
             raise HypothesisError(
                 "HR3",
                 f"{where}: the left {part} is at y = {left:.4g} m, right of the right one at {right:.4g} m;"
-                " swap the joint names (Y points left)",
+                " swap the joint names (Y points left), or turn the robot with [base] rpy",
             )
-    body = {
-        "pelvis": _planar_inertia(model, data, model.getJointId(ROOT)),
-        **{key: _planar_inertia(model, data, joint) for key, joint in joint_id.items()},
-    }
-    _check_feet(where, position, description)
-    _check_mirrored_legs(where, position, body)  # HR3
-    limits = _chain_limits(model, joint_id, axis_sign, description, where)  # HR4
-
-    # (h, v) with the left foot as stance foot: h = y_left_ankle - y, v = z - z_sole
-    left_ankle = position["left_ankle"]
-    ground = left_ankle[1] - description.sole.ankle_height
-
-    def to_plane(yz: FloatArray) -> FloatArray:
-        return np.array([left_ankle[0] - yz[0], yz[1] - ground])
-
-    bodies = [body["left_ankle"], body["left_hip"], body["pelvis"], body["right_hip"], body["right_ankle"]]
-    chain = FrontalChain(
-        joints=np.array([to_plane(position[key]) for key in ROLL_JOINTS]),
-        bodies=tuple(b._replace(com=to_plane(b.com)) for b in bodies),  # type: ignore[arg-type]
-        sole_inner=description.sole.inner,
-        sole_outer=description.sole.outer,
-        **limits,
+    angle = {key: float(reference[model.joints[joint].idx_q]) for key, joint in joint_id.items()}
+    measured = FrontalBodies(
+        position=position,
+        body={
+            PELVIS: planar_inertia(model, data, model.getJointId(ROOT)),
+            **{key: planar_inertia(model, data, joint) for key, joint in joint_id.items()},
+        },
+        joint={key: _roll_joint(model, key, axis_sign[key], description, where) for key in ROLL_JOINTS},  # HR4
     )
+    _check_inertias(measured, description, where)  # HR1
+    _check_feet(where, position, description)  # HR5
+    differences = asymmetry(measured, description.sole)
+    bodies = _mirrored(measured, differences, description, where)  # HR3
+    _check_flat_feet(where, angle, axis_sign, description)  # HR5
     stance_map = StanceMap(
         axis_sign=np.array([axis_sign[key] for key in ROLL_JOINTS]),
-        reference=np.array([reference[model.joints[joint_id[key]].idx_q] for key in ROLL_JOINTS]),
+        reference=np.array([angle[key] for key in ROLL_JOINTS]),
         joint_names=tuple(description.joints[key] for key in ROLL_JOINTS),
     )
-    return FrontalReduction(chain, stance_map, model, reference)
+    return FrontalReduction(bodies.chain(description.sole), stance_map, model, reference, measured, differences)
 
 
 def _check_actuators(urdf_text: str, description: RobotDescription, where: str) -> None:
@@ -122,38 +108,6 @@ def _check_actuators(urdf_text: str, description: RobotDescription, where: str) 
                 f"{where}: joint {joint.get('name')!r} mimics another; the four roll joints are actuated on their own,"
                 " remove its <mimic>",
             )
-
-
-def _lock_other_joints(full: pin.Model, description: RobotDescription, where: str) -> tuple[pin.Model, FloatArray]:
-    names = [name for name in full.names[1:] if name != ROOT]
-    for section, asked in (("joints", list(description.joints.values())), ("posture", list(description.posture))):
-        for name in asked:
-            if not full.existJointName(name) or name == ROOT:
-                close = difflib.get_close_matches(name, names, n=1)
-                remedy = f"did you mean {close[0]!r}?" if close else f"movable joints: {', '.join(names)}"
-                raise RobotError(f"{where}: [{section}] the URDF has no movable joint {name!r}; {remedy}")
-    posture = pin.neutral(full)
-    for name, angle in description.posture.items():
-        joint = full.joints[full.getJointId(name)]
-        if joint.nq != 1:
-            raise RobotError(f"{where}: [posture] {name!r} is not a one-number joint; leave it out, it is locked at 0")
-        low, high = full.lowerPositionLimit[joint.idx_q], full.upperPositionLimit[joint.idx_q]
-        if not low <= angle <= high:
-            raise RobotError(f"{where}: [posture] {name} = {angle:g} rad is outside its limits [{low:g}, {high:g}]")
-        posture[joint.idx_q] = angle
-    for name in description.joints.values():
-        joint = full.joints[full.getJointId(name)]
-        if joint.nq != 1 or joint.nv != 1 or not joint.shortname().startswith("JointModelR"):
-            raise HypothesisError(
-                "HR1", f'{where}: joint {name!r} is not an ideal revolute joint; make it type="revolute" with limits'
-            )
-    kept = {ROOT, *description.joints.values()}
-    model = pin.buildReducedModel(full, [full.getJointId(n) for n in full.names[1:] if n not in kept], posture)
-    reference = pin.neutral(model)
-    for name in description.joints.values():
-        source, target = full.joints[full.getJointId(name)], model.joints[model.getJointId(name)]
-        reference[target.idx_q] = posture[source.idx_q]
-    return model, reference
 
 
 def _check_open_chain(model: pin.Model, joint_id: Mapping[str, int], description: RobotDescription, where: str) -> None:
@@ -197,9 +151,15 @@ def _check_planarity(
     return sign
 
 
-def _planar_inertia(model: pin.Model, data: pin.Data, joint: int) -> PlanarBody:
-    inertia = data.oMi[joint].act(model.inertias[joint])
-    return PlanarBody(float(inertia.mass), inertia.lever[1:].copy(), float(inertia.inertia[0, 0]))
+def _check_inertias(bodies: FrontalBodies, description: RobotDescription, where: str) -> None:
+    for key, body in bodies.body.items():
+        if body.inertia <= 0.0:
+            part = "the pelvis" if key == PELVIS else f"the link moved by {description.joints[key]!r}"
+            raise HypothesisError(
+                "HR1",
+                f"{where}: {part} has a moment of inertia of {body.inertia:g} kg m^2 about the roll axis;"
+                " give its <inertia> a positive ixx",
+            )
 
 
 def _check_feet(where: str, position: Mapping[str, FloatArray], description: RobotDescription) -> None:
@@ -219,65 +179,77 @@ def _check_feet(where: str, position: Mapping[str, FloatArray], description: Rob
         )
 
 
-def _check_mirrored_legs(where: str, position: Mapping[str, FloatArray], body: Mapping[str, PlanarBody]) -> None:
-    """Raise where left and right differ (HR3)."""
-    middle = 0.5 * (position["left_hip"][0] + position["right_hip"][0])
-    length = max(abs(position["left_hip"][1] - position["left_ankle"][1]), 1e-3)
+def _check_flat_feet(
+    where: str, angle: Mapping[str, float], axis_sign: Mapping[str, float], description: RobotDescription
+) -> None:
+    """A foot is flat when hip and ankle roll cancel, whatever the pitch joints between them do."""
+    for side in ("left", "right"):
+        hip, ankle = f"{side}_hip", f"{side}_ankle"
+        roll = axis_sign[hip] * angle[hip] + axis_sign[ankle] * angle[ankle]
+        if abs(roll) > FLAT_TOLERANCE:
+            raise HypothesisError(
+                "HR5",
+                f"{where}: the {side} foot is rolled by {np.degrees(roll):.3g} degrees at the reference posture; let"
+                f" [posture] {description.joints[ankle]} and {description.joints[hip]} cancel",
+            )
 
-    def differ(what: str, left: float, right: float, scale: float, unit: str) -> None:
-        if abs(left - right) > SYMMETRY_TOLERANCE * scale:
+
+def _mirrored(measured: FrontalBodies, found: Asymmetry, description: RobotDescription, where: str) -> FrontalBodies:
+    """The bodies with equal legs; where they are not, only if the description lets them be averaged (HR3)."""
+    if not found.differences:
+        return symmetrised(measured)  # rounding only
+    worst = found.differences[0]
+    what = f"{worst.what} is {worst.left:.7g} {worst.unit} on the left and {worst.right:.7g} {worst.unit} on the right"
+    if not description.symmetrise:
+        raise HypothesisError(
+            "HR3",
+            f"{where}: the legs are not mirror images, {what}; make them equal in the URDF, or let them be averaged"
+            " with symmetrise = true",
+        )
+    if found.mass_matrix > MOST_AVERAGED:
+        raise HypothesisError(
+            "HR3",
+            f"{where}: the legs differ by {100 * found.mass_matrix:.3g} % of the mass matrix, too much to average"
+            f" (at most {100 * MOST_AVERAGED:g} %), {what}; make them equal in the URDF",
+        )
+    bodies = symmetrised(measured)
+    for key, joint in bodies.joint.items():
+        if not joint.lower < 0.0 < joint.upper:
             raise HypothesisError(
                 "HR3",
-                f"{where}: the legs are not mirror images, {what} is {left:.7g} {unit} on the left and"
-                f" {right:.7g} {unit} on the right; make them equal in the URDF",
+                f"{where}: left and right {key.split('_')[1]} limits have nothing in common around the reference"
+                " posture; mirror their lower and upper in the URDF",
             )
-
-    for part in ("hip", "ankle"):
-        left, right = position[f"left_{part}"], position[f"right_{part}"]
-        differ(f"the distance of the {part} from the middle", left[0] - middle, middle - right[0], length, "m")
-        differ(f"the height of the {part}", left[1], right[1], length, "m")
-    for joint, link in (("hip", "leg"), ("ankle", "foot")):
-        a, b = body[f"left_{joint}"], body[f"right_{joint}"]
-        differ(f"the mass of the {link}", a.mass, b.mass, a.mass, "kg")
-        differ(f"the inertia of the {link}", a.inertia, b.inertia, a.inertia + a.mass * length**2, "kg m^2")
-        differ(f"y of the {link}'s centre of mass", a.com[0] - middle, middle - b.com[0], length, "m")
-        differ(f"z of the {link}'s centre of mass", a.com[1], b.com[1], length, "m")
-    pelvis = body["pelvis"].com[0] - middle
-    differ("the distance of the torso's centre of mass", pelvis, -pelvis, length, "m")
+    return bodies
 
 
-def _chain_limits(
-    model: pin.Model,
-    joint_id: Mapping[str, int],
-    axis_sign: Mapping[str, float],
-    description: RobotDescription,
-    where: str,
-) -> dict[str, FloatArray]:
-    override = {"ankle": description.ankle_torque, "hip": description.hip_torque}
-    torque, velocity, armature = np.zeros(4), np.zeros(4), np.zeros(4)
-    lower, upper = np.zeros(4), np.zeros(4)
-    for i, key in enumerate(ROLL_JOINTS):
-        joint = model.joints[joint_id[key]]
-        limit = override[key.split("_")[1]]
-        torque[i] = model.effortLimit[joint.idx_v] if limit is None else limit
-        if not torque[i] > 0.0:
-            raise HypothesisError(
-                "HR4",
-                f"{where}: joint {description.joints[key]!r} has no effort limit, so it is not actuated;"
-                f" set effort in the URDF or [limits] {key.split('_')[1]}_torque",
-            )
-        velocity[i] = model.velocityLimit[joint.idx_v]
-        armature[i] = model.armature[joint.idx_v]
-        # stance = left: q = pi/2-shifted URDF angle, sign as in StanceMap
-        sign = axis_sign[key] * (1.0 if key.startswith("left") else -1.0)
-        ends = sign * np.array([model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q]])
-        lower[i], upper[i] = UPRIGHT + ends.min(), UPRIGHT + ends.max()
-    mirrored = {"max_torque": torque, "max_velocity": velocity, "armature": armature, "lower": lower, "upper": upper}
-    for what, values in mirrored.items():
-        if not np.allclose(values, values[::-1], rtol=SYMMETRY_TOLERANCE, atol=SYMMETRY_TOLERANCE):
-            raise HypothesisError(
-                "HR3",
-                f"{where}: {what.replace('_', ' ')} differs between left and right ({values.tolist()});"
-                " make the joint limits of the two legs mirror images",
-            )
-    return mirrored
+def _roll_joint(model: pin.Model, key: str, axis_sign: float, description: RobotDescription, where: str) -> RollJoint:
+    """Limits of one joint about +X from its reference angle; those of the description come first."""
+    part, name = key.split("_")[1], description.joints[key]
+    joint = model.joints[model.getJointId(name)]
+    asked = {"ankle": description.ankle_torque, "hip": description.hip_torque}[part]
+    effort = float(model.effortLimit[joint.idx_v]) if asked is None else asked
+    if not effort > 0.0:
+        raise HypothesisError(
+            "HR4",
+            f"{where}: joint {name!r} has no effort limit, so it is not actuated;"
+            f" set effort in the URDF or [limits] {part}_torque",
+        )
+    velocity = float(model.velocityLimit[joint.idx_v])
+    if not velocity > 0.0:
+        raise HypothesisError(
+            "HR4", f"{where}: joint {name!r} has no velocity limit, so it cannot move; set velocity in the URDF"
+        )
+    reference = description.posture.get(name, 0.0)
+    ends = axis_sign * (
+        np.array([model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q]]) - reference
+    )
+    if not ends.min() < 0.0 < ends.max():
+        raise HypothesisError(
+            "HR4",
+            f"{where}: joint {name!r} cannot move to both sides of its reference angle {reference:g} rad,"
+            f" its limits are [{model.lowerPositionLimit[joint.idx_q]:g}, {model.upperPositionLimit[joint.idx_q]:g}];"
+            " widen them in the URDF or move the posture",
+        )
+    armature = {"ankle": description.ankle_armature, "hip": description.hip_armature}[part]
+    return RollJoint(float(ends.min()), float(ends.max()), velocity, effort, armature)

@@ -6,11 +6,15 @@ standard error, so both are found here.
 
 import math
 import xml.etree.ElementTree as ElementTree
+from collections import Counter
 from pathlib import Path
 
 from frontal_biped.exceptions import RobotError
 
 MAX_URDF_BYTES = 20_000_000  # the largest humanoid URDF seen is 0.3 MB
+MAX_LINKS = 5000  # the largest humanoid URDF seen has 150
+MAX_DEPTH = 40  # of nested elements; a URDF needs 6, and parsers that recurse must not be led deeper
+ROUNDING_INERTIA = 1e-12  # [kg m^2]; CAD exports print -5e-20 for zero
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 
 
@@ -38,7 +42,7 @@ def read_urdf(path: Path) -> str:
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
         raise RobotError(f"{path}: declares an XML DOCTYPE or entity; remove it, a URDF needs none")
     try:
-        root = ElementTree.fromstring(text)
+        root = _parse(path, text)
     except ElementTree.ParseError as error:
         raise RobotError(f"{path}: not well-formed XML, {error}; mend the file there") from None
     if root.tag != "robot":
@@ -50,9 +54,28 @@ def read_urdf(path: Path) -> str:
     return text
 
 
+def _parse(path: Path, text: str) -> ElementTree.Element:
+    """The root element; the depth is watched while reading, before any parser that recurses sees the text."""
+    parser = ElementTree.XMLPullParser(("start", "end"))
+    root, depth = None, 0
+    for begin in range(0, max(len(text), 1), 1 << 16):
+        parser.feed(text[begin : begin + (1 << 16)])
+        for event, element in parser.read_events():
+            root = element if root is None else root
+            depth += 1 if event == "start" else -1
+            if depth > MAX_DEPTH:
+                raise RobotError(f"{path}: elements are nested more than {MAX_DEPTH} deep; is this a URDF file?")
+    parser.close()
+    list(parser.read_events())  # raises what the end of the text revealed
+    assert root is not None
+    return root
+
+
 def _check_links(path: Path, root: ElementTree.Element) -> None:
     names = [link.get("name", "") for link in root.findall("link")]
-    duplicates = sorted({name for name in names if names.count(name) > 1})
+    duplicates = sorted(name for name, count in Counter(names).items() if count > 1)
+    if len(names) > MAX_LINKS:
+        raise RobotError(f"{path}: {len(names)} links; at most {MAX_LINKS} are read, remove what is not the robot")
     if not names or "" in names or duplicates:
         what = f"link {duplicates[0]!r} is defined twice" if duplicates else "a link without a name, or no link"
         raise RobotError(f"{path}: {what}; give every link a name of its own")
@@ -73,7 +96,7 @@ def _check_links(path: Path, root: ElementTree.Element) -> None:
             moment = _numbers(where, inertia, key, 1)
             if not moment:  # the parser would drop the whole inertia and say so on the C-level standard error only
                 raise RobotError(f"{where}: its <inertia> has no {key}; give all six, 0 where there is none")
-            if key[1] == key[2] and moment[0] < 0.0:
+            if key[1] == key[2] and moment[0] < -ROUNDING_INERTIA:
                 raise RobotError(f"{where}: {key} = {moment[0]:g} kg m^2 is negative; give a positive inertia")
 
 
@@ -103,7 +126,7 @@ def _check_joints(path: Path, root: ElementTree.Element) -> None:
         _numbers(where, joint.find("origin"), "xyz", 3)
         _numbers(where, joint.find("origin"), "rpy", 3)
         axis = _numbers(where, joint.find("axis"), "xyz", 3)
-        if axis and math.hypot(*axis) == 0.0:
+        if axis and joint.get("type") not in ("fixed", "floating") and math.hypot(*axis) == 0.0:
             raise RobotError(f"{where}: its axis is zero; give a direction, for a roll joint '1 0 0'")
         limit = joint.find("limit")
         limits = {key: _numbers(where, limit, key, 1) for key in ("lower", "upper", "effort", "velocity")}

@@ -1,0 +1,34 @@
+"""Walk one gait after another: a controller for each, changed at impacts."""
+
+from collections.abc import Sequence
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.control.controller import Command, QpController
+from frontal_biped.virtual_constraints.phase import StepPhase
+
+
+class GaitSequence:
+    """Controllers in the order in which they take over.
+
+    Args:
+        parts: each controller with the number of steps it walks; the last one goes on for ever.
+    """
+
+    def __init__(self, parts: Sequence[tuple[QpController, int]]) -> None:
+        self.parts = tuple(parts)
+        self._part = self._step = 0
+        self._phase = StepPhase.RISING
+
+    @property
+    def controller(self) -> QpController:
+        """The one in charge."""
+        return self.parts[self._part][0]
+
+    def command(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> Command:
+        """Command at q (4,) [rad], dq (4,) [rad/s]; a falling phase followed by a rising one is a step."""
+        if phase is StepPhase.RISING and self._phase is StepPhase.FALLING:
+            self._step += 1
+            if self._step >= self.parts[self._part][1] and self._part + 1 < len(self.parts):
+                self._part, self._step = self._part + 1, 0
+        self._phase = phase
+        return self.controller.command(phase, q, dq)

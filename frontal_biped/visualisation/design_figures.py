@@ -1,0 +1,53 @@
+"""Figures over many designs: what a bound costs, and what higher degrees buy."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from frontal_biped.design.studies import StudyPoint
+from frontal_biped.visualisation.figure_style import BLACK, BLUE, GREEN, PURPLE, VERMILION, new_figure, styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_MARKS = ((BLUE, "o", "-"), (VERMILION, "s", "--"), (GREEN, "^", "-."), (PURPLE, "D", ":"), (BLACK, "v", "-"))
+COST_LABEL = "cost J [N² m s]"
+
+
+@styled
+def pareto_figure(points: Sequence[StudyPoint], measure: str, label: str, title: str) -> "Figure":
+    """Cost of the cheapest gait against what the bound on a measure secures.
+
+    Args:
+        points: of `pareto_front`; those without a gait are left out.
+        measure: which of the measures is on the horizontal axis.
+        label: of that axis, with its unit.
+        title: of the figure.
+    """
+    figure = new_figure("pareto", 3.4)
+    axes = figure.add_subplot()
+    found = sorted((point.measures[measure], point.measures["cost"]) for point in points if point.measures)
+    x, cost = zip(*found, strict=True)
+    axes.plot(x, cost, color=BLUE, marker="o", markersize=4.5)
+    axes.set(xlabel=label, ylabel=COST_LABEL, title=title)
+    axes.set_ylim(bottom=0.0)
+    return figure
+
+
+@styled
+def degree_figure(series: Mapping[int, Sequence[StudyPoint]]) -> "Figure":
+    """Cost over the degree of the joints, one line for each degree of the FRI target.
+
+    Args:
+        series: of `degree_study`.
+    """
+    figure = new_figure("degrees", 3.4)
+    axes = figure.add_subplot()
+    for (fri_degree, points), (colour, mark, line) in zip(sorted(series.items()), _MARKS, strict=False):
+        found = [(point.value, point.measures["cost"]) for point in points if point.measures]
+        degree, cost = zip(*found, strict=True)
+        label = f"FRI degree {fri_degree}"
+        axes.plot(degree, cost, color=colour, marker=mark, linestyle=line, markersize=4.5, label=label)
+    axes.set(xlabel="degree of the joint polynomials", ylabel=COST_LABEL, title="What higher degrees buy")
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.legend()
+    return figure
