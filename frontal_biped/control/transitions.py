@@ -31,8 +31,8 @@ SLOWEST = 0.02
 LEAST_RANGE = 0.1
 """A rising phase that begins nearer to its end than this share of the planned range keeps the planned start."""
 
-TAPERS = (3.0, 1.5, 0.7, 0.35, 0.18, 0.08)
-CURVATURE_TAPERS = (0.7, 0.35, 0.18, 0.08, 0.03)
+TAPERS = (3.0, 1.0, 0.35, 0.08)
+CURVATURE_TAPERS = (0.35, 0.08, 0.03)
 """Lengths of the continuation tried, relative to the range of the rising phase."""
 
 REJOINS = (2.0, 4.0, 8.0, 20.0, np.inf)
