@@ -109,6 +109,24 @@ class PhaseEnergy:
                 return float(panel.growth(beta)), float(panel.spent(beta))
         raise ReversalError(f"beta = {beta:.6g} rad is outside the phase")
 
+    def shifted(self, shift: float) -> "PhaseEnergy":
+        """The same path with its FRI target moved by a constant [m]; no dynamics is evaluated anew.
+
+        Raises:
+            ReversalError: I_P is not positive somewhere.
+        """
+        panels: list[Panel] = []
+        gamma = energy = 0.0
+        for panel in self.panels:
+            old = panel.restricted
+            restricted = RestrictedDynamics(old.projected, old.p_fri + shift, old.dp_fri)
+            if np.any(restricted.I_P <= 0.0):
+                raise ReversalError("I_P vanishes there")
+            new = _panel(panel.start, panel.end, panel.motion, restricted, gamma, energy)
+            panels.append(new)
+            gamma, energy = float(new.growth(panel.end)), float(new.spent(panel.end))
+        return PhaseEnergy(tuple(panels), self.complete, self.reaches_barrier, self.why)
+
     def load(self, zeta: float, max_torque: FloatArray, friction: float) -> float:
         """Largest torque and friction of a step that begins with zeta, up to where it reverses, over their limits [-].
 
@@ -208,13 +226,19 @@ def phase_energy(
                 return _finish(panels, why)
         else:
             reached = b
-        growth = _integral(restricted.rate, a, reached) + gamma
-        spent = -_integral(np.exp(-growth(motion.q[:, 0])) * restricted.drive, a, reached) + energy
-        panels.append(Panel(a, reached, motion, restricted, growth, spent))
-        gamma, energy = float(growth(reached)), float(spent(reached))
+        panels.append(_panel(a, reached, motion, restricted, gamma, energy))
+        gamma, energy = float(panels[-1].growth(reached)), float(panels[-1].spent(reached))
         if reached != b:
             return _finish(panels, why)
     return PhaseEnergy(tuple(panels), True, False, "that is as far as was looked")
+
+
+def _panel(
+    start: float, end: float, motion: ConstrainedMotion, restricted: RestrictedDynamics, gamma: float, energy: float
+) -> Panel:
+    growth = _integral(restricted.rate, start, end) + gamma
+    spent = -_integral(np.exp(-growth(motion.q[:, 0])) * restricted.drive, start, end) + energy
+    return Panel(start, end, motion, restricted, growth, spent)
 
 
 def _finish(panels: list[Panel], why: str) -> PhaseEnergy:
@@ -290,15 +314,28 @@ def land_on_constraints(biped: FrontalBiped, falling: PhaseEnergy) -> tuple[Land
     Raises:
         ReversalError: the robot stops before the impact.
     """
-    last = falling.panels[-1]
-    gamma, spent = float(last.growth(last.end)), float(last.spent(last.end))
-    zeta = -np.exp(gamma) * spent
-    if not zeta > 0.0 or not falling.complete:
-        raise ReversalError("the robot stops in the falling phase" if falling.complete else falling.why)
-    dbeta = -float(np.sqrt(2.0 * zeta)) / float(last.restricted.I_P[-1])
-    landing = landing_on_constraints(biped, last.motion.q[-1], last.motion.dq[-1])
+    landing, dbeta, last = landing_at_end(biped, falling), speed_at_end(falling), falling.panels[-1]
     after = landing.dq_plus
     return landing, dbeta, Landed(last.motion.q[-1][::-1].copy(), after[1:] / after[0], float(after[0] * dbeta))
+
+
+def landing_at_end(biped: FrontalBiped, falling: PhaseEnergy) -> Landing:
+    """The impact at the end of a falling phase, per unit of dbeta."""
+    last = falling.panels[-1]
+    return landing_on_constraints(biped, last.motion.q[-1], last.motion.dq[-1])
+
+
+def speed_at_end(falling: PhaseEnergy) -> float:
+    """Rate dbeta at the end of a falling phase that began at rest [rad/s], negative.
+
+    Raises:
+        ReversalError: the robot stops before.
+    """
+    last = falling.panels[-1]
+    zeta = -np.exp(float(last.growth(last.end))) * float(last.spent(last.end))
+    if not zeta > 0.0 or not falling.complete:
+        raise ReversalError("the robot stops in the falling phase" if falling.complete else falling.why)
+    return -float(np.sqrt(2.0 * zeta)) / float(last.restricted.I_P[-1])
 
 
 def stretch_to_reversal(biped: FrontalBiped, phase: ContinuedPhase, dbeta: float) -> ContinuedPhase:
@@ -336,6 +373,11 @@ def energy_surplus(biped: FrontalBiped, phase: Phase, dbeta: float) -> float:
         energy = phase_energy(biped, phase, phase.beta_start, phase.beta_end)
     except ReversalError:
         return BLOCKED
+    return surplus_at_end(energy, dbeta)
+
+
+def surplus_at_end(energy: PhaseEnergy, dbeta: float) -> float:
+    """`energy_surplus` of a phase that has been integrated to its end."""
     missing = 0.0 if energy.complete else BLOCKED
-    surplus = 0.5 * (energy.start_inertia * dbeta) ** 2 - energy.at(energy.end)[1] + missing
+    surplus = 0.5 * (energy.start_inertia * dbeta) ** 2 - float(energy.panels[-1].spent(energy.end)) + missing
     return surplus if np.isfinite(surplus) else BLOCKED

@@ -22,7 +22,7 @@ from frontal_biped.zero_dynamics import F_H, F_V, TORQUES
 RETURNED = 0.01
 """Relative speed error that counts as returned."""
 
-STEPS = 40
+STEPS = 20
 """Steps after which a slow return is given up."""
 
 
@@ -144,6 +144,18 @@ class RestrictedMap:
         above = (4.0 * ratio(1.0 + step) - ratio(1.0 + 2.0 * step) - 3.0) / (2.0 * step)
         return below, above
 
+    def sample(self, speed_ratios: FloatArray) -> FloatArray:
+        """(n,) next speed ratios of given ones; nan where there is no step, or it breaks a limit."""
+        following = np.full(len(speed_ratios), np.nan)
+        for i, ratio in enumerate(speed_ratios):
+            try:
+                step = self.step(self.start(float(ratio)))
+            except ReversalError:
+                continue
+            if step.tightest.value >= 0.0:
+                following[i] = self.speed_ratio(step.landed)
+        return following
+
     def follow(self, speed_ratio: float, steps: int = STEPS) -> Return:
         """Iterate the map from a perturbed post-impact speed until it returns, fails, or the steps are used up."""
         landed, speeds = self.start(speed_ratio), [speed_ratio]
@@ -162,7 +174,7 @@ class RestrictedMap:
                 return Return(True, tuple(speeds), "")
         return Return(False, tuple(speeds), f"no return within {steps} steps")
 
-    def basin(self, low: float = 0.05, high: float = 3.0, points: int = 24, refine: int = 6) -> "Basin":
+    def basin(self, low: float = 0.05, high: float = 3.0, points: int = 16, refine: int = 4) -> "Basin":
         """The interval of post-impact speeds around the gait's from which it returns.
 
         Searched outwards from the gait on a grid of relative speeds, its edges refined by bisection.

@@ -138,7 +138,7 @@ def robustness_card(
             continue
         restricted = RestrictedMap(biped, gait, make_stabiliser(name, biped, gait))
         slopes[name] = restricted.slope()
-        basins[name] = restricted.basin(points=16, refine=4)
+        basins[name] = restricted.basin()
     pushes = []
     for instant, place in instants:
         for direction in ("outwards", "inwards"):

@@ -1,4 +1,4 @@
-"""Walkers whose motion is known in closed form, as limits of the biped: A-frame rocker, rocking block, inverted pendulum.
+"""Walkers in closed form as limits of the biped: A-frame rocker, rocking block, inverted pendulum.
 
 A biped with its mass in the pelvis, legs and feet a share eps of it, joints held by constant virtual constraints, rocks
 on its ankles like a rigid A: published_numbers rows 6 and 7 (rimless wheel), 12 (Housner's block), 13 (LIP).
@@ -117,8 +117,8 @@ def test_inverted_pendulum_in_the_limit_of_small_angles(tmp_path):
     errors, slenderness = [], []
     for leg in (0.9, 1.8, 3.6):
         robot = a_frame(tmp_path / f"{leg}", 1e-11, leg=leg)
-        probe, _, pose = rocking(robot, HIPS, 0.01)
-        r, alpha = lean(robot, pose)
+        _, _, pose = rocking(robot, HIPS, 0.01)
+        _, alpha = lean(robot, pose)
         sway = 0.25 * alpha
         rising, _, _ = rocking(robot, HIPS, sway)
         orbit = phase_orbit(robot, rising, +1, 24)

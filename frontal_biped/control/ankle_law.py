@@ -18,11 +18,14 @@ from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.phase_energy import (
+    BLOCKED,
     Landed,
-    energy_surplus,
     falling_energy,
-    land_on_constraints,
+    landing_at_end,
+    phase_energy,
+    speed_at_end,
     stretch_to_reversal,
+    surplus_at_end,
 )
 from frontal_biped.virtual_constraints.anchoring import ContinuedPhase, shifted_fri
 from frontal_biped.virtual_constraints.phase import Phase
@@ -67,9 +70,16 @@ class AnkleLaw:
         A robot too fast for the sole gets a stretched phase: the same poses, the last one reached where it reverses.
         """
         phase = self.inner.rising(landed)
+        try:
+            energy = phase_energy(self.biped, phase, phase.beta_start, phase.beta_end)
+        except ReversalError:
+            return phase
 
         def surplus(shift: float) -> float:
-            return energy_surplus(self.biped, shifted_fri(phase, shift), landed.dbeta)
+            try:
+                return surplus_at_end(energy.shifted(shift), landed.dbeta)
+            except ReversalError:
+                return BLOCKED
 
         moved = shifted_fri(phase, self.best_shift(phase, surplus, phase.beta_start, phase.beta_end))
         if not isinstance(moved, ContinuedPhase):
@@ -82,11 +92,12 @@ class AnkleLaw:
         if not self.in_falling:
             return phase
         target = self.gait.orbit.beta_dot_after_impact
+        energy = falling_energy(self.biped, phase, reversal)
+        landing = landing_at_end(self.biped, energy)  # of the path alone, whatever the FRI
 
         def missing(shift: float) -> float:
             try:
-                energy = falling_energy(self.biped, shifted_fri(phase, shift), reversal)
-                return target - land_on_constraints(self.biped, energy)[2].dbeta
+                return target - landing.speed_ratio * speed_at_end(energy.shifted(shift))
             except ReversalError:
                 return target  # it does not fall: far too slow
 

@@ -22,7 +22,15 @@ from frontal_biped.control.transitions import AdaptiveTransitions
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.phase_energy import Landed, falling_energy, land_on_constraints, phase_energy, rising_energy
+from frontal_biped.phase_energy import (
+    Landed,
+    PhaseEnergy,
+    falling_energy,
+    land_on_constraints,
+    phase_energy,
+    rising_energy,
+    surplus_at_end,
+)
 from frontal_biped.virtual_constraints.anchoring import shifted_fri
 from frontal_biped.virtual_constraints.invariance import double_support_pose
 from frontal_biped.virtual_constraints.phase import Phase
@@ -100,9 +108,11 @@ class StepLaw:
         if self.ankle is None or error == 0.0:
             return phase
 
+        energy = falling_energy(self.biped, phase, reversal)
+
         def left(shift: float) -> float:
             try:
-                return -self.surplus(shifted_fri(phase, shift), reversal)
+                return -self._surplus_of(energy.shifted(shift))
             except (ReversalError, UnreachablePoseError):
                 return -error
 
@@ -150,12 +160,12 @@ class StepLaw:
         Raises:
             ReversalError: the robot stops before the landing.
         """
-        landed = land_on_constraints(self.biped, falling_energy(self.biped, falling, reversal))[2]
+        return self._surplus_of(falling_energy(self.biped, falling, reversal))
+
+    def _surplus_of(self, falling: PhaseEnergy) -> float:
+        landed = land_on_constraints(self.biped, falling)[2]
         phase = self._unstretched.rising(landed)
-        energy = phase_energy(self.biped, phase, phase.beta_start, phase.beta_end)
-        if not energy.complete:
-            raise ReversalError(energy.why)
-        return 0.5 * (energy.start_inertia * landed.dbeta) ** 2 - energy.at(energy.end)[1]
+        return surplus_at_end(phase_energy(self.biped, phase, phase.beta_start, phase.beta_end), landed.dbeta)
 
     def _dead_beat(self, rising: Phase, reversal: float) -> tuple[float, float]:
         """Width, and the surplus left where no allowed width makes it vanish."""

@@ -35,7 +35,7 @@ def test_continuation_meets_value_slope_and_curvature(rising, level_gait):
 @pytest.mark.parametrize("beta_past", [1e-4, 2e-3, 1e-2, 0.1])
 def test_derivatives_of_the_continuation(rising, beta_past):
     beta, h = rising.beta_end + beta_past, 1e-7
-    value, slope, curvature = row(rising, beta)
+    _, slope, curvature = row(rising, beta)
     above, below = row(rising, beta + h), row(rising, beta - h)
     assert slope == pytest.approx((above[0] - below[0]) / (2.0 * h), rel=1e-5, abs=1e-5)
     assert curvature == pytest.approx((above[1] - below[1])[:3] / (2.0 * h), rel=1e-5, abs=1e-2)
