@@ -25,6 +25,8 @@ PUSH_DURATION = 0.05  # [s]
 INSTANTS = (("just after the impact", 0.02), ("half-way up", 0.5), ("at the reversal", 1.0), ("half-way down", 1.5))
 """Name and place in the step: 0 impact, 1 reversal, 2 next impact, by time within each phase."""
 
+SAMPLED_SPEEDS = tuple(float(ratio) for ratio in np.round(np.linspace(0.2, 2.2, 41), 3))
+
 PUSH_STEPS = 6
 """Steps walked after a push."""
 
@@ -68,6 +70,8 @@ class RobustnessCard:
         sensitivity_norm: by stabiliser, sqrt(sum over steps of (error_k / error_0)^2) of the linearised map: the gait
             sensitivity norm with the post-impact speed as both disturbance and indicator [-].
         barrier_margin: energy that may be added after the impact before the robot tips outwards, over its own [-].
+        sampled_speeds: post-impact speeds, relative to the gait's [-].
+        sampled_maps: the next ones, by stabiliser; nan where there is no step or it breaks a limit.
         push_stabiliser: with which the pushes were walked.
         pushes: largest survived.
     """
@@ -77,12 +81,21 @@ class RobustnessCard:
     basins: dict[str, Basin]
     sensitivity_norm: dict[str, float]
     barrier_margin: float
+    sampled_speeds: tuple[float, ...]
+    sampled_maps: dict[str, tuple[float, ...]]
     push_stabiliser: str
     pushes: tuple[PushOutcome, ...]
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        return asdict(self)
+        """For JSON; what does not exist is null."""
+        table = asdict(self)
+        table["sampled_maps"] = {
+            name: [None if np.isnan(value) else value for value in values] for name, values in self.sampled_maps.items()
+        }
+        table["sensitivity_norm"] = {
+            name: value if np.isfinite(value) else None for name, value in self.sensitivity_norm.items()
+        }
+        return table
 
     def rows(self) -> list[tuple[str, str]]:
         """(name, text) for a report."""
@@ -131,6 +144,7 @@ def robustness_card(
     say = on_progress or (lambda _: None)
     slopes: dict[str, tuple[float, float]] = {}
     basins: dict[str, Basin] = {}
+    maps: dict[str, tuple[float, ...]] = {}
     for name in stabilisers:
         say(f"speeds that return, {name}")
         if name == "fixed":
@@ -139,6 +153,7 @@ def robustness_card(
         restricted = RestrictedMap(biped, gait, make_stabiliser(name, biped, gait))
         slopes[name] = restricted.slope()
         basins[name] = restricted.basin()
+        maps[name] = tuple(float(value) for value in restricted.sample(np.array(SAMPLED_SPEEDS)))
     pushes = []
     for instant, place in instants:
         for direction in ("outwards", "inwards"):
@@ -152,6 +167,8 @@ def robustness_card(
         basins=basins,
         sensitivity_norm={name: _norm(max(map(abs, pair))) for name, pair in slopes.items()},
         barrier_margin=energy.highest / own - 1.0,
+        sampled_speeds=SAMPLED_SPEEDS,
+        sampled_maps=maps,
         push_stabiliser=push_stabiliser,
         pushes=tuple(pushes),
     )

@@ -264,14 +264,25 @@ def _sampled(biped: FrontalBiped, gait: Gait, period: float, steps: int) -> Samp
 def _draw(biped: FrontalBiped, gait: Gait, run: Trajectory, report: DemoReport, folder: Path) -> None:
     from frontal_biped.visualisation import report_page, write_figures
     from frontal_biped.visualisation.figures import write_figure
-    from frontal_biped.visualisation.robustness_figures import sensitivity
+    from frontal_biped.visualisation.robustness_figures import ROBUSTNESS_FIGURES, return_map, sensitivity
 
     paths = write_figures(folder / "figures", biped, gait, run)
     paths += write_figure(folder / "figures", "sensitivity", sensitivity(report.sensitivity.runs))
+    card = list(report.robustness.values())[-1]
+    paths += write_figure(folder / "figures", "return_map", return_map(card))
+    drawn = [
+        (ROBUSTNESS_FIGURES.get(path.stem, path.stem), path.read_text(encoding="utf-8"))
+        for path in paths
+        if path.suffix == ".svg"
+    ]
     page = report_page(
         biped,
         run.first_steps(PAGE_STEPS),
-        [(path.stem, path.read_text(encoding="utf-8")) for path in paths if path.suffix == ".svg"],
+        [
+            (ROBUSTNESS_FIGURES.get(path.stem, path.stem), path.read_text(encoding="utf-8"))
+            for path in paths
+            if path.suffix == ".svg"
+        ],
         title=f"{biped.name}: a certified frontal gait",
         numbers=report.figures(),
         constraints=[

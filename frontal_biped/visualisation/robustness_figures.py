@@ -1,12 +1,11 @@
 """Figures of robustness: what an error of the reversal costs, and the return map with the speeds that return."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from frontal_biped.arrays import FloatArray
-from frontal_biped.return_map import Basin
+from frontal_biped.robustness import RobustnessCard
 from frontal_biped.sensitivity import LossOfInvariance
 from frontal_biped.visualisation.figure_style import (
     BLACK,
@@ -68,33 +67,26 @@ def sensitivity(runs: Sequence[LossOfInvariance]) -> "Figure":
 
 
 @styled
-def return_map(
-    speeds: FloatArray, maps: Mapping[str, FloatArray], basins: Mapping[str, Basin] | None = None
-) -> "Figure":
+def return_map(card: RobustnessCard) -> "Figure":
     """Post-impact speed of the next step over that of this one, both relative to the gait's.
 
     Args:
-        speeds: (n,) relative post-impact speeds [-].
-        maps: by stabiliser, (n,) the next ones; nan where there is no step or a limit is broken.
-        basins: by stabiliser, drawn as bars below the map.
+        card: of the gait; the stabilisers whose map was sampled are drawn.
 
     Returns:
-        One panel.
+        One panel; the bars at its foot span the speeds that return.
     """
     figure = new_figure("return_map", 4.2)
     ax = figure.add_subplot()
+    speeds = np.array(card.sampled_speeds)
     ax.plot(speeds, speeds, color=BLACK, linewidth=0.8, label="unchanged")
-    for (name, values), (colour, marker, line) in zip(maps.items(), _LOOKS, strict=False):
+    for k, ((name, values), (colour, marker, line)) in enumerate(zip(card.sampled_maps.items(), _LOOKS, strict=False)):
         ax.plot(speeds, values, color=colour, linestyle=line, marker=marker, markersize=3.0, label=name)
+        basin, height = card.basins[name], -0.12 * (k + 1)
+        ax.plot([basin.low, basin.high], [height, height], color=colour, linewidth=5.0, alpha=0.7)
     ax.plot([1.0], [1.0], "o", color=BLACK, markersize=6, linestyle="none", label="gait")
-    known = basins or {}
-    bottom = float(np.nanmin([np.nanmin(values) for values in maps.values()]))
-    for k, (name, (colour, _, _)) in enumerate(zip(maps, _LOOKS, strict=False)):
-        if name in known:
-            height = bottom - 0.08 * (k + 1)
-            ax.plot([known[name].low, known[name].high], [height, height], color=colour, linewidth=5.0, alpha=0.7)
-    ax.set_xlabel("post-impact speed, relative to the gait's")
-    ax.set_ylabel("after the next impact")
+    ax.set_xlabel("post-impact speed, relative to the gait's [-]")
+    ax.set_ylabel("after the next impact [-]")
     ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     ax.margins(0.04)
     return figure
