@@ -32,6 +32,9 @@ DEGREE = 20
 REACH = 0.5
 """How far past its end a rising phase is followed [rad]."""
 
+LARGEST_EXPONENT = 200.0
+"""Bound on the change of Gamma over a panel; a gait's is below 1."""
+
 SURPLUS_ACCURACY = 1e-4
 """Energy error that is left to the transitions [kg^2 m^4/s^2]; a gait has some hundreds."""
 
@@ -123,6 +126,8 @@ class PhaseEnergy:
             if np.any(restricted.I_P <= 0.0):
                 raise ReversalError("I_P vanishes there")
             new = _panel(panel.start, panel.end, panel.motion, restricted, gamma, energy)
+            if new is None:
+                raise ReversalError("I_P all but vanishes there")
             panels.append(new)
             gamma, energy = float(new.growth(panel.end)), float(new.spent(panel.end))
         return PhaseEnergy(tuple(panels), self.complete, self.reaches_barrier, self.why)
@@ -208,7 +213,9 @@ def phase_energy(
         ReversalError: I_P is not positive at the start.
     """
     sense = 1.0 if end > start else -1.0
-    inner = sorted({b for b in breaks if min(start, end) + 1e-9 < b < max(start, end) - 1e-9}, key=lambda b: sense * b)
+    inner = sorted(
+        {b for b in breaks if min(start, end) + 1e-13 < b < max(start, end) - 1e-13}, key=lambda b: sense * b
+    )
     edges = [start, *inner, end]
     panels: list[Panel] = []
     gamma = energy = 0.0
@@ -226,8 +233,11 @@ def phase_energy(
                 return _finish(panels, why)
         else:
             reached = b
-        panels.append(_panel(a, reached, motion, restricted, gamma, energy))
-        gamma, energy = float(panels[-1].growth(reached)), float(panels[-1].spent(reached))
+        panel = _panel(a, reached, motion, restricted, gamma, energy)
+        if panel is None:  # I_P is so small that the exponential overflows
+            return _finish(panels, why)
+        panels.append(panel)
+        gamma, energy = float(panel.growth(reached)), float(panel.spent(reached))
         if reached != b:
             return _finish(panels, why)
     return PhaseEnergy(tuple(panels), True, False, "that is as far as was looked")
@@ -235,9 +245,17 @@ def phase_energy(
 
 def _panel(
     start: float, end: float, motion: ConstrainedMotion, restricted: RestrictedDynamics, gamma: float, energy: float
-) -> Panel:
-    growth = _integral(restricted.rate, start, end) + gamma
-    spent = -_integral(np.exp(-growth(motion.q[:, 0])) * restricted.drive, start, end) + energy
+) -> Panel | None:
+    """A panel that goes on from Gamma and R so far; None where they overflow."""
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        rate = restricted.rate
+        if not np.all(np.isfinite(rate)) or np.max(np.abs(rate)) * abs(end - start) > LARGEST_EXPONENT:
+            return None
+        growth = _integral(rate, start, end) + gamma
+        weighted = np.exp(-growth(motion.q[:, 0])) * restricted.drive
+        if not np.all(np.isfinite(weighted)):
+            return None
+        spent = -_integral(weighted, start, end) + energy
     return Panel(start, end, motion, restricted, growth, spent)
 
 
@@ -297,7 +315,7 @@ def rising_breaks(phase: Phase) -> tuple[tuple[float, ...], float]:
 def falling_energy(biped: FrontalBiped, phase: Phase, reversal: float) -> PhaseEnergy:
     """Energy of a falling phase from a reversal to its end."""
     breaks = getattr(phase, "breaks", ())
-    above = [b + factor * phase.range * -0.25 for b in breaks[:1] for factor in (0.3,)]
+    above = [b - 0.075 * phase.range for b in breaks[:1]]
     middle = 0.5 * (min(reversal, phase.beta_start) + phase.beta_end)
     return phase_energy(biped, phase, reversal, phase.beta_end, (*breaks, *above, middle))
 

@@ -72,8 +72,9 @@ def simulate(
 def simulated_multiplier(biped: FrontalBiped, gait: Gait, relative_step: float = 1e-4) -> float:
     """Slope of the return map of the full model at its fixed point, by a central difference of two simulated steps.
 
-    The post-impact speed is the coordinate; at a fixed point its slope equals that of zeta, which is proportional to
-    its square.
+    With the paper's fixed transitions, under which the map is smooth; adaptive ones have the same slope at the gait, but
+    another curvature on either side of it. The post-impact speed is the coordinate; at a fixed point its slope equals
+    that of zeta, which is proportional to its square.
 
     Args:
         biped: the robot.
@@ -82,7 +83,7 @@ def simulated_multiplier(biped: FrontalBiped, gait: Gait, relative_step: float =
     """
     speed = []
     for sign in (+1.0, -1.0):
-        run = simulate(biped, gait, steps=1, speed_error=sign * relative_step)
+        run = simulate(biped, gait, steps=1, speed_error=sign * relative_step, stabiliser="fixed")
         speed.append(run.post_impact_states()[-1, 4] if not run.fell else np.nan)
     return float((speed[0] - speed[1]) / (2.0 * relative_step * gait.orbit.beta_dot_after_impact))
 

@@ -3,7 +3,8 @@
 After the impact the shift is chosen so that the robot reverses where it was planned to; at the reversal, so that the
 next post-impact speed is the gait's. Shift and FRI target together stay inside the sole less a margin, and what the
 sole cannot give is left to the transitions below. A shift is constant over the phase, so the closed form of the zero
-dynamics holds with it.
+dynamics holds with it. At the reversal the FRI target steps from one shift to the other, and the ankle torque with it;
+the robot is at rest there, and its energy takes no notice.
 """
 
 from collections.abc import Callable
@@ -27,7 +28,7 @@ from frontal_biped.phase_energy import (
     stretch_to_reversal,
     surplus_at_end,
 )
-from frontal_biped.virtual_constraints.anchoring import ContinuedPhase, shifted_fri
+from frontal_biped.virtual_constraints.anchoring import ContinuedPhase, shifted_fri, unshifted
 from frontal_biped.virtual_constraints.phase import Phase
 
 SOLE_MARGIN = 0.004
@@ -88,7 +89,7 @@ class AnkleLaw:
 
     def falling(self, rising: Phase, reversal: float) -> Phase:
         """The inner phase, shifted so that the next post-impact speed is the gait's."""
-        phase = self.inner.falling(rising, reversal)
+        phase = self.inner.falling(unshifted(rising), reversal)
         if not self.in_falling:
             return phase
         target = self.gait.orbit.beta_dot_after_impact

@@ -31,7 +31,7 @@ from frontal_biped.phase_energy import (
     rising_energy,
     surplus_at_end,
 )
-from frontal_biped.virtual_constraints.anchoring import shifted_fri
+from frontal_biped.virtual_constraints.anchoring import shifted_fri, unshifted
 from frontal_biped.virtual_constraints.invariance import double_support_pose
 from frontal_biped.virtual_constraints.phase import Phase
 
@@ -99,13 +99,14 @@ class StepLaw:
 
     def falling(self, rising: Phase, reversal: float) -> Phase:
         """The falling phase to the width that the rule asks for."""
+        rising = unshifted(rising)
         if self.rule is StepRule.LQR:
             planned = self.gait.beta_reversal
             width = self.gait.step_width - self.gain * (reversal - planned)
             return self.to_width(rising, reversal, float(np.clip(width, self.narrowest, self.widest)))
         width, error = self._dead_beat(rising, reversal)
         phase = self.to_width(rising, reversal, width)
-        if self.ankle is None or error == 0.0:
+        if self.ankle is None or error == 0.0 or not np.isfinite(error):
             return phase
 
         energy = falling_energy(self.biped, phase, reversal)

@@ -18,8 +18,9 @@ the rising one and *rejoins* its own path h_f over a length proportional to d:
           e = e' = e'' = 0 \text{ at and below } \beta_a - \lambda, \quad \lambda = \min(c\, d, \text{the way left}).
 
 Pose and slope of both phases agree at beta_r-, so the mismatch is of order d^2 in pose and d in slope, and lasts for a
-length of order d: its effect on the energy is of second order. The slope of the return map at the gait is therefore the
-multiplier, from this side too. The state stays on Z at every reversal point, and the pose of the impact is as planned.
+length of order d: its effect on the energy is of second order. The FRI target likewise. The slope of the return map at
+the gait is therefore the multiplier, from this side too. The state stays on Z at every reversal point, and the pose of
+the impact is as planned.
 
 **A landing that was disturbed.** The rising phase is anchored to the actual pose and slope (columns 0 and 1) and keeps
 its end in pose and slope.
@@ -36,7 +37,7 @@ from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase
 REJOIN = 2.0
 """c: length over which an early falling phase rejoins its path, relative to how early it is."""
 
-SAME = 1e-12
+SAME = 1e-9
 """[rad] a reversal this near to the planned one is the planned one."""
 
 
@@ -48,11 +49,13 @@ class ContinuedPhase(Phase):
         taper: length l over which slopes die out past the end [rad].
         curvature_taper: length m over which the curvature at the end dies out [rad].
         fri_taper: length over which the slope of the FRI target dies out [rad].
+        shift: what `shifted_fri` has added to the FRI target [m].
     """
 
     taper: float
     curvature_taper: float
     fri_taper: float
+    shift: float = 0.0
 
     @property
     def breaks(self) -> tuple[float, ...]:
@@ -94,57 +97,51 @@ class AnchoredFallingPhase(Phase):
     Attributes:
         begin: the actual reversal [rad].
         join: below it the phase is the planned one [rad].
-        mismatch: (4, 2) pose and FRI target at ``begin`` minus the planned ones [rad, m]; slopes likewise.
+        mismatch: (3, 2) pose and slope of q_b at ``begin`` minus the planned ones [rad, -].
+        fri_mismatch: FRI target at ``begin`` minus the planned one [m].
         retraced: the rising phase, followed back where the reversal is late; None where it is early.
     """
 
     begin: float
     join: float
     mismatch: FloatArray
+    fri_mismatch: float
     retraced: Phase | None
 
     @property
     def breaks(self) -> tuple[float, ...]:
         """Where the virtual constraints change form [rad]."""
-        return (self.join,) if self.retraced is None else (self.beta_start,)
+        return (self.join if self.retraced is None else self.beta_start,)
 
     def motion(self, beta: FloatArray) -> ConstrainedMotion:
         """The robot on the virtual constraints at beta (n,) [rad]."""
         beta = np.atleast_1d(np.asarray(beta, dtype=float))
-        at = super().motion(beta)
+        q, dq, ddq, p_fri, dp_fri = (part.copy() for part in super().motion(beta))
         above = beta > (self.join if self.retraced is None else self.beta_start)
-        if not np.any(above):
-            return at
-        q, dq, ddq, p_fri, dp_fri = (part.copy() for part in at)
-        if self.retraced is not None:
+        if np.any(above) and self.retraced is not None:
             back = self.retraced.motion(beta[above])
             q[above], dq[above], ddq[above], p_fri[above], dp_fri[above] = back
-            return ConstrainedMotion(q, dq, ddq, p_fri, dp_fri)
-        length = self.begin - self.join
-        x = (beta[above] - self.join) / length
-        columns = self._correction(length)
-        value = bernstein(5, x) @ columns.T
-        first = bernstein_derivative(5, x, 1) @ columns.T / length
-        second = bernstein_derivative(5, x, 2) @ columns.T / length**2
-        q[above, 1:] += value[:, :3]
-        dq[above, 1:] += first[:, :3]
-        ddq[above, 1:] += second[:, :3]
-        p_fri[above] += value[:, 3]
-        dp_fri[above] += first[:, 3]
+        elif np.any(above):
+            length = self.begin - self.join
+            x = (beta[above] - self.join) / length
+            columns = self._correction(length)
+            p_fri[above] += self.fri_mismatch * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+            dp_fri[above] += self.fri_mismatch * 30.0 * x**2 * (1.0 - x) ** 2 / length
+            q[above, 1:] += bernstein(5, x) @ columns.T
+            dq[above, 1:] += bernstein_derivative(5, x, 1) @ columns.T / length
+            ddq[above, 1:] += bernstein_derivative(5, x, 2) @ columns.T / length**2
         return ConstrainedMotion(q, dq, ddq, p_fri, dp_fri)
 
     def desired(self, beta: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
         """h_d (3,), dh_d/dbeta (3,), d2h_d/dbeta2 (3,) and the FRI target at one beta."""
         if beta <= (self.join if self.retraced is None else self.beta_start):
             return super().desired(beta)
-        if self.retraced is not None:
-            return self.retraced.desired(beta)
-        return _at_one(self.motion(np.array([beta])))
+        return self.retraced.desired(beta) if self.retraced is not None else _at_one(self.motion(np.array([beta])))
 
     def _correction(self, length: float) -> FloatArray:
-        """(4, 6) Bezier columns over x in [0, 1]: zero with two derivatives at 0, the mismatch at 1, flat curvature."""
+        """(3, 6) Bezier columns over x in [0, 1]: zero with two derivatives at 0, the mismatch at 1, flat curvature."""
         value, slope = self.mismatch[:, 0], self.mismatch[:, 1] * length
-        zero = np.zeros(4)
+        zero = np.zeros(3)
         return np.stack([zero, zero, zero, value - 0.4 * slope, value - 0.2 * slope, value], axis=1)
 
 
@@ -193,33 +190,27 @@ def anchored_falling(planned: Phase, rising: Phase, reversal: float, rejoin: flo
         rejoin: c, at most what takes it to the impact.
     """
     early = planned.beta_start - reversal
+    at = np.array([min(reversal, planned.beta_start)])
+    actual, path = rising.motion(at), planned.motion(at)
+    fri_mismatch = float(actual.p_fri[0] - path.p_fri[0])
     if abs(early) <= SAME:
         return planned
-    none = np.zeros((4, 2))
-    if early < 0.0:
-        return AnchoredFallingPhase(
-            planned.beta_start,
-            planned.beta_end,
-            planned.joint_bezier,
-            planned.fri_bezier,
-            reversal,
-            reversal,
-            none,
-            rising,
-        )
-    at = np.array([reversal])
-    actual, path = rising.motion(at), planned.motion(at)
-    mismatch = np.concatenate([_row(actual) - _row(path), [[actual.p_fri[0] - path.p_fri[0], 0.0]]])
-    length = min(rejoin * early, reversal - planned.beta_end)
+    begin = float(at[0])
+    if early <= SAME:
+        mismatch, length, retraced = np.zeros((3, 2)), 0.0, rising
+    else:
+        mismatch, retraced = _row(actual) - _row(path), None
+        length = min(rejoin * early, reversal - planned.beta_end)
     return AnchoredFallingPhase(
         planned.beta_start,
         planned.beta_end,
         planned.joint_bezier,
         planned.fri_bezier,
-        reversal,
+        max(reversal, begin),
         reversal - length,
         mismatch,
-        None,
+        fri_mismatch if retraced is None else 0.0,
+        retraced,
     )
 
 
@@ -266,6 +257,13 @@ def with_ends(
 def shifted_fri(phase: Phase, shift: float) -> Phase:
     """The phase with its FRI target moved by a constant [m]."""
     moved = replace(phase, fri_bezier=phase.fri_bezier + shift)
+    if isinstance(moved, ContinuedPhase):
+        return replace(moved, shift=moved.shift + shift)
     if isinstance(moved, AnchoredFallingPhase) and moved.retraced is not None:
         return replace(moved, retraced=shifted_fri(moved.retraced, shift))
     return moved
+
+
+def unshifted(phase: Phase) -> Phase:
+    """A rising phase without what `shifted_fri` has added."""
+    return shifted_fri(phase, -phase.shift) if isinstance(phase, ContinuedPhase) and phase.shift else phase

@@ -22,5 +22,5 @@ def test_a_file_is_read_as_before(tmp_path):
 def test_an_unknown_name_gets_a_suggestion():
     with pytest.raises(SpecificationError, match="did you mean 'robust'"):
         load_specification("robst")
-    with pytest.raises(SpecificationError, match="known: .*robust"):
+    with pytest.raises(SpecificationError, match=r"known: .*robust"):
         load_specification("xyz")
