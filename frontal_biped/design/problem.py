@@ -189,6 +189,8 @@ class DesignProblem:
         return scale
 
     # ------------------------------------------------------------------ evaluation
+    # a point without an orbit has roots of negative numbers; it is told by its values, not by warnings
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")
     def evaluate(self, x: FloatArray) -> Evaluation:
         """Objective and constraints at x (P,), with exact derivatives."""
         step, soles, surplus = self._step(independent(x))
@@ -299,7 +301,7 @@ class DesignProblem:
     def tighten(self, shortfall: Mapping[tuple[str, str], float]) -> None:
         """Move bounds inwards by the scaled violations found between the nodes, by code and name of the constraint."""
         for key, violation in shortfall.items():
-            self._tightened[key] = self._tightened.get(key, 0.0) + 1.1 * violation
+            self._tightened[key] = self._tightened.get(key, 0.0) + 1.2 * violation
         self._layout = None
 
     def _step(self, x: Dual) -> tuple[StepOrbit, SoleHeights, list[FloatArray]]:
