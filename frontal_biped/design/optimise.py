@@ -1,4 +1,4 @@
-"""Design a gait: optimise, check on a dense grid, tighten where the grid disagrees, close the orbit, simulate a step."""
+"""Design a gait: optimise, close the orbit, check on a dense grid, tighten where it disagrees, simulate a step."""
 
 import time
 from collections.abc import Callable, Iterator

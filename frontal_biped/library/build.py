@@ -181,4 +181,5 @@ def dask_executor(address: str) -> Iterator[Executor]:
     except (OSError, ValueError, TimeoutError) as error:
         raise LibraryError(f"{address}: no Dask scheduler answers ({error}); start one with `dask scheduler`") from None
     with client:
-        yield client.get_executor()
+        executor: Executor = client.get_executor()  # type: ignore[no-untyped-call]
+        yield executor

@@ -23,9 +23,7 @@ def test_a_gait_that_is_none_is_caught(biped, reference_gait):
     bent = replace(reference_gait, falling=replace(reference_gait.falling, joint_bezier=columns))
     faster = replace(
         reference_gait,
-        orbit=replace(
-            reference_gait.orbit, beta_dot_after_impact=1.001 * reference_gait.orbit.beta_dot_after_impact
-        ),
+        orbit=replace(reference_gait.orbit, beta_dot_after_impact=1.001 * reference_gait.orbit.beta_dot_after_impact),
     )
     for gait in (bent, faster):
         verification = verify(biped, gait)
