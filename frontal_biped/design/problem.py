@@ -326,5 +326,4 @@ def _of_degree(coefficients: FloatArray, degree: int) -> FloatArray:
         return elevate(coefficients, degree)
     s = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 4 * coefficients.shape[-1]))
     values = bernstein(coefficients.shape[-1] - 1, s) @ coefficients.T
-    fitted: FloatArray = np.linalg.lstsq(bernstein(degree, s), values, rcond=None)[0].T
-    return fitted
+    return np.asarray(np.linalg.lstsq(bernstein(degree, s), values, rcond=None)[0].T, dtype=np.float64)
