@@ -41,13 +41,18 @@ def load_robot(name_or_path: str | Path = DEFAULT_ROBOT) -> FrontalBiped:
     Raises:
         RobotError: nothing is found there, or the files cannot be used; `HypothesisError` names the hypothesis.
     """
-    description = read_description(_description_path(name_or_path))
+    description = read_description(description_path(name_or_path))
     urdf_text = read_urdf(description.urdf)
     reduction = reduce_to_frontal_plane(description, urdf_text)
     return FrontalBiped(description, description.fingerprint(urdf_text), reduction)
 
 
-def _description_path(name_or_path: str | Path) -> Path:
+def description_path(name_or_path: str | Path) -> Path:
+    """The description file of what `load_robot` is given.
+
+    Raises:
+        RobotError: there is none.
+    """
     text = str(name_or_path)
     packaged = models_dir() / f"{text}.toml"
     path = Path(text)
@@ -57,7 +62,8 @@ def _description_path(name_or_path: str | Path) -> Path:
             raise RobotError(f"{path}: no such URDF file; check the path, or see `frontal-biped robots`")
         if not beside.is_file():
             raise RobotError(
-                f"{path}: needs a description {beside.name} beside it that names its roll joints and soles"
+                f"{path}: needs a description {beside.name} beside it that names its roll joints and soles; make one"
+                f" with `frontal-biped robots --describe {path} -o {beside}`"
             )
         return beside
     if path.suffix == ".toml":

@@ -194,9 +194,7 @@ def _check_flat_feet(
             )
 
 
-def _mirrored(
-    measured: FrontalBodies, found: Asymmetry, description: RobotDescription, where: str
-) -> FrontalBodies:
+def _mirrored(measured: FrontalBodies, found: Asymmetry, description: RobotDescription, where: str) -> FrontalBodies:
     """The bodies with equal legs; where they are not, only if the description lets them be averaged (HR3)."""
     if not found.differences:
         return symmetrised(measured)  # rounding only
@@ -225,9 +223,7 @@ def _mirrored(
     return bodies
 
 
-def _roll_joint(
-    model: pin.Model, key: str, axis_sign: float, description: RobotDescription, where: str
-) -> RollJoint:
+def _roll_joint(model: pin.Model, key: str, axis_sign: float, description: RobotDescription, where: str) -> RollJoint:
     """Limits of one joint about +X from its reference angle; those of the description come first."""
     part, name = key.split("_")[1], description.joints[key]
     joint = model.joints[model.getJointId(name)]
@@ -245,7 +241,9 @@ def _roll_joint(
             "HR4", f"{where}: joint {name!r} has no velocity limit, so it cannot move; set velocity in the URDF"
         )
     reference = description.posture.get(name, 0.0)
-    ends = axis_sign * (np.array([model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q]]) - reference)
+    ends = axis_sign * (
+        np.array([model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q]]) - reference
+    )
     if not ends.min() < 0.0 < ends.max():
         raise HypothesisError(
             "HR4",

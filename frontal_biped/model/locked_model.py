@@ -93,7 +93,9 @@ def posture_configuration(full: pin.Model, description: RobotDescription, where:
 def _check_names(full: pin.Model, description: RobotDescription, urdf_text: str, where: str) -> None:
     names = [name for name in full.names[1:] if name != ROOT]
     fixed = {
-        joint.get("name") for joint in ElementTree.fromstring(urdf_text).findall("joint") if joint.get("type") == "fixed"
+        joint.get("name")
+        for joint in ElementTree.fromstring(urdf_text).findall("joint")
+        if joint.get("type") == "fixed"
     }
     for section, asked in (("joints", list(description.joints.values())), ("posture", list(description.posture))):
         for name in asked:
