@@ -38,20 +38,21 @@ class Constraint:
     scale: float
     strict: bool = False
 
-    def margins(self, distance: float = 0.0) -> list[FloatArray]:
-        """Arrays that must be >= 0, in units of ``scale``.
+    def sides(self, distance: float = 0.0) -> list[tuple[float, float]]:
+        """(bound, sign) such that sign (values - bound) >= 0 is asked.
 
         Args:
             distance: to keep from the bounds, in units of ``scale``; at most a quarter of the room between them.
         """
+        distance *= self.scale
         if self.lower is not None and self.upper is not None:
-            distance = min(distance, 0.25 * (self.upper - self.lower) / self.scale)
-        parts = []
+            distance = min(distance, 0.25 * (self.upper - self.lower))
+        sides = []
         if self.lower is not None:
-            parts.append((self.values - self.lower) / self.scale - distance)
+            sides.append((self.lower + distance, 1.0))
         if self.upper is not None:
-            parts.append((self.upper - self.values) / self.scale - distance)
-        return parts
+            sides.append((self.upper - distance, -1.0))
+        return sides
 
 
 class SoleHeights(NamedTuple):

@@ -1,8 +1,11 @@
 """Exact derivatives of the calls into Pinocchio, as rules for `Dual` arrays.
 
 Inverse dynamics along a curve needs only first derivatives of RNEA: A = M q' is RNEA without gravity and velocity,
-B + G is RNEA at (q, q', q''), G at rest. No second derivative of the model appears.
+B + G is RNEA at (q, q', q''), G at rest. No second derivative of the model appears. Each node is differentiated by
+its own q, q', q'' (4 each), and one product per node takes these to the P variables.
 """
+
+from typing import NamedTuple, cast
 
 import numpy as np
 import pinocchio as pin
@@ -11,105 +14,171 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.forward_mode import Dual, chain
 from frontal_biped.model.biped import BASE, FrontalBiped
 from frontal_biped.model.impact import landing_jacobian
+from frontal_biped.virtual_constraints.invariance import double_support_pose
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion
 from frontal_biped.zero_dynamics import ProjectedDynamics
 
+WIDTH = BASE + 4
+_A, _B, _G, _SOLE = slice(0, WIDTH), slice(WIDTH, 2 * WIDTH), slice(2 * WIDTH, 3 * WIDTH), slice(3 * WIDTH, None)
+_ROWS = 3 * WIDTH + 2
+
+
+class Projection(NamedTuple):
+    """What the model has to say along a curve of n configurations.
+
+    Attributes:
+        dynamics: A, B, G, each (7, n).
+        soles: (2, n) heights of the swing sole's inner and outer end [m].
+    """
+
+    dynamics: ProjectedDynamics
+    soles: FloatArray
+
+
+class _Calls:
+    """One Pinocchio model with its work data, and views of the results: reading them afresh costs as much as a call."""
+
+    def __init__(self, model: pin.Model) -> None:
+        self.model = model
+        self.data = model.createData()
+        self.tau, self.g, self.M, self.J = self.data.tau, self.data.g, self.data.M, self.data.J
+        self.dtau_dq, self.dtau_dv = self.data.dtau_dq, self.data.dtau_dv
+        self.swing_ankle = self.data.oMi[model.njoints - 1].translation
+
+    def __call__(self, q: FloatArray, v: FloatArray, a: FloatArray) -> None:
+        pin.computeRNEADerivatives(self.model, self.data, q, v, a)
+
 
 class DifferentiableBiped:
-    """Projected dynamics, sole heights and impact of a robot, for `Dual` motions."""
+    """Final pose, impact, projected dynamics and sole heights of a robot, for `Dual` motions."""
 
     def __init__(self, biped: FrontalBiped) -> None:
         self.biped = biped
-        self._model = biped.floating
-        self._data = biped.floating.createData()
-        self._weightless = biped.floating.copy()
-        self._weightless.gravity.linear = np.zeros(3)
-        self._weightless_data = self._weightless.createData()
+        weightless = biped.floating.copy()
+        weightless.gravity.linear = np.zeros(3)
+        self._heavy, self._weightless = _Calls(biped.floating.copy()), _Calls(weightless)
+        # rows of the landing that are linear in (v+, L)
+        outer, inner = biped.sole
+        select = np.zeros((9, WIDTH + 3))
+        select[:4, BASE:WIDTH] = np.eye(4)[::-1]
+        select[4:7, WIDTH:] = np.eye(3)
+        select[6, WIDTH] = -biped.ankle_height
+        select[7:, 1] = 1.0
+        select[7:, 2] = inner, outer
+        self._landing_rows = select
 
-    def project_dynamics(self, motion: ConstrainedMotion) -> ProjectedDynamics:
-        """`zero_dynamics.project_dynamics` for a `Dual` motion; each part (7, n)."""
-        q, dq, ddq = motion.q, motion.dq, motion.ddq
-        assert isinstance(q, Dual) and isinstance(dq, Dual) and isinstance(ddq, Dual)
+    def double_support_pose(self, beta: Dual, step_width: Dual) -> Dual:
+        """(4,) `virtual_constraints.double_support_pose`.
+
+        By the implicit function theorem: the swing ankle stays at (step width, h_a) and the swing foot flat.
+        """
+        pose = double_support_pose(self.biped, float(beta), float(step_width))
+        q = np.zeros(WIDTH)
+        q[BASE:] = pose
+        J = landing_jacobian(self.biped, q)[:, BASE:]
+        by_both = np.empty((4, 2))
+        by_both[0] = 1.0, 0.0
+        by_both[1:] = np.linalg.solve(J[:, 1:], np.array([-J[:, 0], [1.0, 0.0, 0.0]]).T)
+        return Dual.of(pose, np.stack([beta.derivative, step_width.derivative], axis=1) @ by_both.T)
+
+    def project(self, motions: list[ConstrainedMotion]) -> list[Projection]:
+        """`zero_dynamics.project_dynamics` and the sole heights, for `Dual` motions, all of them in one pass."""
+        q, dq, ddq = (
+            np.concatenate([cast("Dual", motion[part]).block for motion in motions], axis=1) for part in range(3)
+        )  # (1 + P, n, 4)
+        values, local = self._local(q[0], dq[0], ddq[0])
+        # dq/dbeta of the stance ankle is 1 whatever the variables: its columns are left out
+        inner = np.concatenate([q[1:], dq[1:, :, 1:], ddq[1:, :, 1:]], axis=2).transpose(1, 2, 0)
+        block = np.concatenate([values[:, :, None], local @ inner], axis=2).transpose(2, 1, 0)  # (1 + P, rows, n)
+        projections, begin = [], 0
+        for motion in motions:
+            part = np.ascontiguousarray(block[:, :, begin : begin + len(motion.q)])
+            begin += len(motion.q)
+            A, B, G, soles = (cast("FloatArray", Dual(part[:, rows])) for rows in (_A, _B, _G, _SOLE))
+            projections.append(Projection(ProjectedDynamics(A, B, G), soles))
+        return projections
+
+    def _local(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(n, rows) values and (n, rows, 10) derivatives with respect to q (4), dq (last 3) and ddq (last 3)."""
         n = len(q)
-        width = BASE + 4
-        A, B, G = np.empty((n, width)), np.empty((n, width)), np.empty((n, width))
-        A_q, G_q = np.empty((n, width, 4)), np.empty((n, width, 4))
-        B_q, B_dq = np.empty((n, width, 4)), np.empty((n, width, 4))
-        M = np.empty((n, width, 4))
-        padded = [np.zeros((n, width)) for _ in range(3)]
-        for full, part in zip(padded, (q, dq, ddq), strict=True):
-            full[:, BASE:] = part.value
-        rest = np.zeros(width)
-        model, data, weightless, no_weight = self._model, self._data, self._weightless, self._weightless_data
+        tau_A, tau_B, tau_G = np.empty((3, n, WIDTH))
+        A_q, B_q, G_q, B_dq, M = np.empty((5, n, WIDTH, WIDTH))
+        J_v, ankle = np.empty((n, WIDTH)), np.empty((n, 3))
+        rest = np.zeros(WIDTH)
+        padded = np.zeros((3, n, WIDTH))
+        padded[0, :, BASE:], padded[1, :, BASE:], padded[2, :, BASE:] = q, dq, ddq
+        heavy, weightless = self._heavy, self._weightless
         for i, (x, dx, ddx) in enumerate(zip(*padded, strict=True)):
-            pin.computeRNEADerivatives(model, data, x, rest, rest)
-            G[i], G_q[i] = data.tau, data.dtau_dq[:, BASE:]
-            pin.computeRNEADerivatives(model, data, x, dx, ddx)
-            B[i], B_q[i], B_dq[i] = data.tau, data.dtau_dq[:, BASE:], data.dtau_dv[:, BASE:]
-            pin.computeRNEADerivatives(weightless, no_weight, x, rest, dx)
-            A[i], A_q[i] = no_weight.tau, no_weight.dtau_dq[:, BASE:]
-            mass_matrix = no_weight.M  # computed for the derivative with respect to acceleration
-            M[i] = mass_matrix[:, BASE:]
-        B -= G
-        B_q -= G_q
-        return ProjectedDynamics(
-            _rows(A, A_q @ q.derivative + M @ dq.derivative),
-            _rows(B, B_q @ q.derivative + B_dq @ dq.derivative + M @ ddq.derivative),
-            _rows(G, G_q @ q.derivative),
-        )
+            G_q[i] = pin.computeGeneralizedGravityDerivatives(heavy.model, heavy.data, x)
+            tau_G[i] = heavy.g
+            heavy(x, dx, ddx)
+            tau_B[i], B_q[i], B_dq[i], M[i] = heavy.tau, heavy.dtau_dq, heavy.dtau_dv, heavy.M
+            weightless(x, rest, dx)
+            tau_A[i], A_q[i] = weightless.tau, weightless.dtau_dq
+            J_v[i], ankle[i] = weightless.J[1], weightless.swing_ankle
+        values = np.concatenate([tau_A, tau_B - tau_G, tau_G, np.empty((n, 2))], axis=1)
+        local = np.zeros((n, _ROWS, 10))
+        local[:, _A, :4], local[:, _A, 4:7] = A_q[:, :, BASE:], M[:, :, BASE + 1 :]
+        local[:, _B, :4] = B_q[:, :, BASE:] - G_q[:, :, BASE:]
+        local[:, _B, 4:7], local[:, _B, 7:] = B_dq[:, :, BASE + 1 :], M[:, :, BASE + 1 :]
+        local[:, _G, :4] = G_q[:, :, BASE:]
+        values[:, _SOLE], local[:, _SOLE, :4] = self._sole_heights(q, ankle, J_v[:, BASE:])
+        return values, local
 
-    def swing_sole_heights(self, motion: ConstrainedMotion) -> Dual:
-        """(2, n) heights of the swing sole's inner and outer end [m]."""
-        q = motion.q
-        assert isinstance(q, Dual)
-        values = np.array([self.biped.swing_sole(point)[:, 1] for point in q.value])
-        jacobians = np.array([self.biped.swing_sole_jacobian(point)[:, 1] for point in q.value])
-        return _rows(values, jacobians @ q.derivative)
+    def _sole_heights(self, q: FloatArray, ankle: FloatArray, J_v: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(n, 2) heights of both ends and (n, 2, 4) derivatives.
+
+        Turning a joint lifts a point by its horizontal lever; row 1 of the world Jacobian J_v (n, 4) is minus the
+        horizontal position of each joint.
+        """
+        rotation = self.biped.swing_foot_rotation(q)[:, None]
+        h_a = self.biped.ankle_height
+        ends = np.array([-self.biped.chain.sole_inner, self.biped.chain.sole_outer])
+        cos, sin = np.cos(rotation), np.sin(rotation)
+        heights = ankle[:, 1:2] + sin * ends - cos * h_a
+        horizontal = ankle[:, 0:1] + cos * ends + sin * h_a
+        return heights, horizontal[:, :, None] + J_v[:, None, :]
 
     def impact(self, q_minus: Dual, dq_minus: Dual) -> Dual:
         """(11,) relabelled dq+ (4), impulse (3), lift-off (2) and touchdown (2) vertical velocities of the soles.
 
         Differentiates M (v+ - v-) = J' L and J v+ = 0 with respect to q and v-.
         """
-        biped = self.biped
-        weightless, no_weight = self._weightless, self._weightless_data
-        q, v_minus = np.zeros(BASE + 4), np.zeros(BASE + 4)
+        biped, weightless = self.biped, self._weightless
+        q, v_minus = np.zeros(WIDTH), np.zeros(WIDTH)
         q[BASE:], v_minus[BASE:] = q_minus.value, dq_minus.value
         J = landing_jacobian(biped, q)
         M = biped.floating_mass_matrix(q_minus.value)
-        kkt = np.block([[M, -J.T], [J, np.zeros((3, 3))]])
+        kkt = np.zeros((WIDTH + 3, WIDTH + 3))
+        kkt[:WIDTH, :WIDTH], kkt[:WIDTH, WIDTH:], kkt[WIDTH:, :WIDTH] = M, -J.T, J
         inverse = np.linalg.inv(kkt)
-        solution = inverse @ np.concatenate([M @ v_minus, np.zeros(3)])
-        v_plus, L = solution[: BASE + 4], solution[BASE + 4 :]
+        solution = inverse[:, :WIDTH] @ (M @ v_minus)
+        v_plus, L = solution[:WIDTH], solution[WIDTH:]
 
-        pin.computeRNEADerivatives(weightless, no_weight, q, np.zeros(BASE + 4), v_plus - v_minus)
-        momentum_q = no_weight.dtau_dq[:, BASE:]  # d(M dv)/dq
+        weightless(q, np.zeros(WIDTH), v_plus - v_minus)
+        right_q = np.empty((WIDTH + 3, 4))
         hessian = _planar_hessian(J)
-        force_q = np.einsum("k,kij->ij", L, hessian)[:, BASE:]  # d(J' L)/dq
-        velocity_q = np.einsum("kij,i->kj", hessian, v_plus)[:, BASE:]  # d(J v+)/dq
-        right_q = np.concatenate([force_q - momentum_q, -velocity_q])
-        right_v = np.concatenate([M[:, BASE:], np.zeros((3, 4))])
-        solution_q, solution_v = inverse @ right_q, inverse @ right_v
+        right_q[:WIDTH] = (L @ hessian.reshape(3, -1)).reshape(WIDTH, WIDTH)[:, BASE:]  # d(J' L)/dq
+        right_q[:WIDTH] -= weightless.dtau_dq[:, BASE:]  # d(M dv)/dq
+        right_q[WIDTH:] = -(v_plus @ hessian)[:, BASE:]  # d(J v+)/dq
+        solution_q, solution_v = inverse @ right_q, inverse[:, :WIDTH] @ M[:, BASE:]
 
-        outer, inner = biped.sole
-        # rows of the outputs that are linear in the solution
-        select = np.zeros((9, BASE + 4 + 3))
-        select[:4, BASE : BASE + 4] = np.eye(4)[::-1]
-        select[4:7, BASE + 4 :] = np.eye(3)
-        select[6, BASE + 4] = -biped.ankle_height
-        select[7:, 1] = 1.0
-        select[7:, 2] = inner, outer
-        touch_J = biped.swing_sole_jacobian(q_minus.value)[:, 1]
-        ankle_q = np.einsum("kij,i->kj", hessian, v_minus)[:, BASE:]
-        # vertical velocity of a sole end = that of the ankle + rotation rate * horizontal lever
-        levers = biped.swing_sole(q_minus.value)[:, 0] - biped.joint_positions(q_minus.value)[3, 0]
-        levers_q = biped.swing_sole_jacobian(q_minus.value)[:, 0] - J[0, BASE:]
+        # vertical velocity of a sole end = that of the ankle + rotation rate * horizontal lever, flat at impact
+        heights_q = self._sole_heights(q_minus.value[None], weightless.swing_ankle[None], weightless.J[1:2, BASE:])[1][
+            0
+        ]
         rate = float(J[2] @ v_minus)
-        touch_q = ankle_q[1] + np.outer(levers, ankle_q[2]) + rate * levers_q
-        value = np.concatenate([select @ solution, touch_J @ dq_minus.value])
-        by_q = np.concatenate([select @ solution_q, touch_q])
-        by_v = np.concatenate([select @ solution_v, touch_J])
-        return Dual(value, chain(value, by_q, q_minus).derivative + chain(value, by_v, dq_minus).derivative)
+        rotation = biped.swing_foot_rotation(q_minus.value)
+        ends = np.array([-biped.chain.sole_inner, biped.chain.sole_outer])
+        levers_q = -np.sin(rotation) * ends + np.cos(rotation) * biped.ankle_height
+        touch_q = (v_minus @ hessian)[1, BASE:] + rate * levers_q[:, None]
+        rows = self._landing_rows
+        value = np.concatenate([rows @ solution, heights_q @ dq_minus.value])
+        by_q = np.concatenate([rows @ solution_q, touch_q])
+        by_v = np.concatenate([rows @ solution_v, heights_q])
+        both = chain(value, by_q, q_minus)
+        both.derivative[:] += dq_minus.derivative @ by_v.T
+        return both
 
 
 def _planar_hessian(J: FloatArray) -> FloatArray:
@@ -118,14 +187,10 @@ def _planar_hessian(J: FloatArray) -> FloatArray:
     Turning joint j moves the lever of joint i <= j as a whole, so dJ_i/dq_j is the quarter turn of J_j, and by
     symmetry of second derivatives the later of the two joints counts. Translations and the rotation row are constant.
     """
-    hessian = np.zeros((3, BASE + 4, BASE + 4))
-    turning = np.arange(2, BASE + 4)
-    later = np.maximum.outer(turning, turning)
-    hessian[0, 2:, 2:] = -J[1, later]
-    hessian[1, 2:, 2:] = J[0, later]
+    hessian = np.zeros((3, WIDTH, WIDTH))
+    hessian[0, 2:, 2:] = -J[1, _LATER]
+    hessian[1, 2:, 2:] = J[0, _LATER]
     return hessian
 
 
-def _rows(values: FloatArray, derivatives: FloatArray) -> Dual:
-    """Node-first (n, k) and (n, k, P) to row-first."""
-    return Dual(values.T, derivatives.swapaxes(0, 1))
+_LATER = np.maximum.outer(np.arange(2, WIDTH), np.arange(2, WIDTH))

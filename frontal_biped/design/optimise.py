@@ -85,10 +85,9 @@ def design_gait(
             f"fri_margin = {spec.fri_margin:g} m leaves no room in a sole of {inner - outer:g} m; reduce it"
         )
     began = time.perf_counter()
-    problem = DesignProblem(biped, spec, OPTIMISER_NODES)
+    problem = DesignProblem(biped, spec, OPTIMISER_NODES, SAFETY)
     low, high = problem.bounds()
     x = problem.start() if start is None else np.asarray(start, dtype=float)
-    problem.tighten_by = SAFETY
     iterations = evaluations = 0
     for _ in range(TIGHTENING_ROUNDS):
         done = iterations

@@ -7,15 +7,17 @@ quadrature nodes from the reversal with exact derivatives.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.constraints import STEP_WIDTH, SoleHeights, step_constraints
-from frontal_biped.design.derivatives import DifferentiableBiped
-from frontal_biped.design.forward_mode import Dual, independent
+from frontal_biped.design.constraints import STEP_WIDTH, Constraint, SoleHeights, step_constraints
+from frontal_biped.design.derivatives import DifferentiableBiped, Projection
+from frontal_biped.design.forward_mode import Dual, elementwise, independent
 from frontal_biped.design.specification import GaitSpecification
+from frontal_biped.exceptions import UnreachablePoseError
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.frontal_chain import UPRIGHT
 from frontal_biped.poincare import Landing, StepOrbit
@@ -28,12 +30,19 @@ from frontal_biped.virtual_constraints.invariance import (
     final_falling_slope,
     rising_parameters,
 )
-from frontal_biped.virtual_constraints.phase import constrained_motion, phase_basis
+from frontal_biped.virtual_constraints.phase import ConstrainedMotion, constrained_motion, phase_basis
 from frontal_biped.zero_dynamics import TORQUES, PhaseOrbit, RestrictedDynamics, integrate_from_reversal
 
 FLOOR_Z = 1e-3
 """Below this zeta/tau^2 [kg^2 m^4/s^2] the square root is continued smoothly, so that an iterate without an orbit
 still has a cost and a gradient; a gait has values of about 10."""
+
+
+WORKABLE = 30.0
+"""Scaled violation up to which linearised constraints lead anywhere: thirty times a typical size."""
+
+RESTORATIONS = 12
+"""Halvings of the way from a start without an orbit to the default start."""
 
 
 @dataclass(frozen=True)
@@ -69,9 +78,12 @@ class DesignProblem:
         biped: the robot.
         specification: degrees and bounds.
         size: quadrature nodes a phase.
+        tighten_by: distance that every scaled constraint keeps from its bound.
     """
 
-    def __init__(self, biped: FrontalBiped, specification: GaitSpecification, size: int) -> None:
+    def __init__(
+        self, biped: FrontalBiped, specification: GaitSpecification, size: int, tighten_by: float = 0.0
+    ) -> None:
         self.biped = biped
         self.specification = specification
         self.rule = reversal_quadrature(size)
@@ -83,8 +95,9 @@ class DesignProblem:
         sizes = [3, 3 * (M - 1), 3 * (M - 2), F + 1, F]
         self._splits = np.cumsum(sizes)
         self.size = int(self._splits[-1])
-        self.tighten_by = 0.0  # distance that every scaled constraint keeps from its bound
+        self.tighten_by = tighten_by
         self._tightened: dict[tuple[str, str], float] = {}
+        self._margin_rows: _Rows | None = None
 
     # ------------------------------------------------------------------ variables
     def unpack(self, x: FloatArray) -> FreeParameters:
@@ -171,74 +184,116 @@ class DesignProblem:
             rising=_with_floor(step.rising),
             falling=_with_floor(step.falling),
         )
-        parts: list[Dual] = []
-        for constraint in step_constraints(self.biped, self.specification, lifted, soles):
-            if constraint.name == STEP_WIDTH:
-                continue  # a variable, bounded as such
-            distance = self.tighten_by + self._tightened.get((constraint.code, constraint.name), 0.0)
-            parts += cast("list[Dual]", constraint.margins(distance))
-        for orbit in (step.rising, step.falling):  # the orbit itself must exist, whatever the floor says
-            parts.append(cast("Dual", (orbit.z - FLOOR_Z) / 10.0))
-        cost, defect = cast("Dual", lifted.cost), cast("Dual", step.periodicity)
-        values = np.concatenate([np.atleast_1d(part.value) for part in parts])
-        jacobian = np.concatenate([np.atleast_2d(part.derivative) for part in parts])
+        constraints = step_constraints(self.biped, self.specification, lifted, soles)
+        # the orbit itself must exist, whatever the floor says
+        constraints += [
+            Constraint("", "orbit", "", orbit.z, FLOOR_Z, None, 10.0) for orbit in (step.rising, step.falling)
+        ]
+        rows = self._rows(constraints)
+        values = cast("Dual", np.concatenate([constraint.values for constraint in constraints])).block[:, rows.entry]
+        defect = cast("Dual", step.periodicity)
+        # J is the sum of the squares of these
+        torques = np.concatenate(
+            [_weighted_torques(orbit, lifted.step_width) for orbit in (lifted.rising, lifted.falling)]
+        )
+        residual, residual_jacobian = cast("Dual", torques).value, cast("Dual", torques).derivative.T
         return Evaluation(
-            float(cost.value),
-            cost.derivative,
-            np.concatenate([_residual_jacobian(orbit, lifted.step_width) for orbit in (lifted.rising, lifted.falling)]),
+            float(residual @ residual),
+            2.0 * residual @ residual_jacobian,
+            residual_jacobian,
             np.atleast_1d(defect.value) / 0.1,
             np.atleast_2d(defect.derivative) / 0.1,
-            values,
-            jacobian,
+            (values[0] - rows.bound) * rows.factor,
+            (values[1:] * rows.factor).T,
         )
+
+    def _rows(self, constraints: list[Constraint]) -> "_Rows":
+        """Which value enters which margin, and how; the same for every evaluation until bounds are tightened."""
+        if self._margin_rows is None:
+            index, bound, factor = [], [], []
+            begin = 0
+            for constraint in constraints:
+                entries = np.arange(begin, begin + len(constraint.values))
+                begin += len(entries)
+                if constraint.name == STEP_WIDTH:
+                    continue  # a variable, bounded as such
+                distance = self.tighten_by + self._tightened.get((constraint.code, constraint.name), 0.0)
+                for limit, sign in constraint.sides(distance):
+                    index.append(entries)
+                    bound.append(np.full(len(entries), limit))
+                    factor.append(np.full(len(entries), sign / constraint.scale))
+            self._margin_rows = _Rows(np.concatenate(index), np.concatenate(bound), np.concatenate(factor))
+        return self._margin_rows
+
+    def restored(self, x: FloatArray) -> FloatArray:
+        """The point itself, or where the formulas have no value there, one on the way to the default start.
+
+        I_P next to zero, a knee of the polynomials beyond reach: half-way back, until the values are of a size that
+        an optimiser can work with.
+        """
+        start = self.start()
+        for _ in range(RESTORATIONS):
+            try:
+                point = self.evaluate(x)
+                worst = max(float(-np.min(point.margins)), float(np.max(np.abs(point.equality))))
+                if np.isfinite(point.cost) and worst < WORKABLE:
+                    return x
+            except UnreachablePoseError:
+                pass
+            x = 0.5 * (x + start)
+        return start
 
     def tighten(self, shortfall: Mapping[tuple[str, str], float]) -> None:
         """Move bounds inwards by the scaled violations found between the nodes, by code and name of the constraint."""
         for key, violation in shortfall.items():
             self._tightened[key] = self._tightened.get(key, 0.0) + 1.1 * violation
+        self._margin_rows = None
 
     def _step(self, x: Dual) -> tuple[StepOrbit, SoleHeights]:
         free = self.unpack(cast("FloatArray", x))
-        q_minus = double_support_pose(self.biped, free.beta_impact, free.step_width)
-        dq_minus = final_falling_slope(free, q_minus)
-        flat = self._differentiable.impact(cast("Dual", q_minus), cast("Dual", dq_minus))
+        q_minus = self._differentiable.double_support_pose(x[1], x[2])
+        dq_minus = final_falling_slope(free, cast("FloatArray", q_minus))
+        flat = self._differentiable.impact(q_minus, cast("Dual", dq_minus))
         landing = Landing(*(cast("FloatArray", flat[part]) for part in _LANDING_PARTS))
-        rising = rising_parameters(free, q_minus, landing.dq_plus[1:] / landing.speed_ratio)
-        falling = falling_parameters(free, q_minus, rising)
-        up, up_sole = self._orbit(+1, rising)
-        down, down_sole = self._orbit(-1, falling)
-        return StepOrbit(up, down, landing, free.step_width), SoleHeights(up_sole, down_sole)
+        rising = rising_parameters(free, cast("FloatArray", q_minus), landing.dq_plus[1:] / landing.speed_ratio)
+        falling = falling_parameters(free, cast("FloatArray", q_minus), rising)
+        motions = [self._motion(+1, rising), self._motion(-1, falling)]
+        up, down = self._differentiable.project(motions)
+        rise = self._orbit(+1, free.beta_reversal - rising.beta_start, motions[0], up)
+        fall = self._orbit(-1, free.beta_reversal - falling.beta_end, motions[1], down)
+        return StepOrbit(rise, fall, landing, free.step_width), SoleHeights(up.soles, down.soles)
 
-    def _orbit(self, direction: int, phase: PhaseParameters) -> tuple[PhaseOrbit, FloatArray]:
+    def _motion(self, direction: int, phase: PhaseParameters) -> ConstrainedMotion:
         rising = direction > 0
         reversal, end = (phase.beta_end, phase.beta_start) if rising else (phase.beta_start, phase.beta_end)
-        Delta = reversal - end
-        beta = reversal - Delta * self.rule.tau**2
+        beta = reversal - (reversal - end) * self.rule.tau**2
         basis = self._rising_basis if rising else self._falling_basis
-        motion = constrained_motion(
-            basis, beta, phase.beta_end - phase.beta_start, phase.joint_bezier, phase.fri_bezier
-        )
-        projected = self._differentiable.project_dynamics(motion)
-        restricted = RestrictedDynamics(projected, motion.p_fri, motion.dp_fri)
-        orbit = integrate_from_reversal(self.rule, direction, Delta, motion, restricted)
-        return orbit, cast("FloatArray", self._differentiable.swing_sole_heights(motion))
+        return constrained_motion(basis, beta, phase.beta_end - phase.beta_start, phase.joint_bezier, phase.fri_bezier)
+
+    def _orbit(self, direction: int, Delta: float, motion: ConstrainedMotion, projection: Projection) -> PhaseOrbit:
+        restricted = RestrictedDynamics(projection.dynamics, motion.p_fri, motion.dp_fri)
+        return integrate_from_reversal(self.rule, direction, Delta, motion, restricted)
+
+
+class _Rows(NamedTuple):
+    """Margins (k,) = (values[entry] - bound) factor."""
+
+    entry: NDArray[np.intp]
+    bound: FloatArray
+    factor: FloatArray
 
 
 _LANDING_PARTS = (slice(0, 4), slice(4, 7), slice(7, 9), slice(9, 11))
 
 
-def _residual_jacobian(orbit: PhaseOrbit, step_width: float) -> FloatArray:
-    """(4 n, P) derivative of u sqrt(weight dt/dtau / L_s) at the nodes."""
-    with np.errstate(invalid="ignore"):
-        residual = orbit.generalized_forces[TORQUES] * np.sqrt(orbit.time_density * (orbit.weights / step_width))
-    derivative = cast("Dual", residual).derivative
-    return derivative.reshape(-1, derivative.shape[-1])
+def _weighted_torques(orbit: PhaseOrbit, step_width: float) -> FloatArray:
+    """(4 n,) u sqrt(weight dt/dtau / L_s) at the nodes."""
+    density = np.sqrt(orbit.time_density / step_width) * np.sqrt(orbit.weights)
+    return (orbit.generalized_forces[TORQUES] * density).reshape(-1)
 
 
 def _columns(x: Dual, begin: int, end: int) -> FloatArray:
-    part = x[begin:end]
-    shaped = Dual(part.value.reshape(-1, 3), part.derivative.reshape(-1, 3, part.derivative.shape[-1]))
-    return cast("FloatArray", shaped.T)
+    return cast("FloatArray", x[begin:end].reshape(-1, 3).T)
 
 
 def _with_floor(orbit: PhaseOrbit) -> PhaseOrbit:
@@ -250,7 +305,7 @@ def _with_floor(orbit: PhaseOrbit) -> PhaseOrbit:
     tail = FLOOR_Z * np.exp(np.clip(z.value / FLOOR_Z - 1.0, -30.0, 0.0))
     value = np.where(low, tail, z.value)
     slope = np.where(low, tail / FLOOR_Z, 1.0)
-    return replace(orbit, z=cast("FloatArray", Dual(value, z.derivative * slope[:, None])))
+    return replace(orbit, z=cast("FloatArray", elementwise(z, value, slope)))
 
 
 def _symmetric_stance(biped: FrontalBiped, step_width: float) -> float:

@@ -12,19 +12,21 @@ started from it, to finish (cf. Nocedal and Wright, Numerical Optimization, Ch. 
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.quadratic_program import UNBOUNDED, ProxQpSolver, QpSolution, QuadraticProgram
-
-QP_MAX_ITERATIONS = 60
-"""Outer iterations of ProxQP a subproblem: a good one needs ten; a hopeless one is cut off, and its step judged by the
-penalty function like any other."""
+from frontal_biped.design.least_distance import solve_least_distance
 
 GAIN_OF_PENALTY = 0.7
 """A larger penalty that leaves more than this share of the violation will not make the problem feasible."""
+
+CLOSE = 0.02
+"""A predicted decrease below this share of the cost is close to the answer; ..."""
+
+GAIN_OF_GAUSS_NEWTON = 0.6
+"""... if less than this share of it comes true there, curvature that Gauss-Newton does not see has the say."""
 
 OUTSIDE_DOMAIN = 1e6
 """A scaled violation this large means that the start lies where the formulas have no meaning."""
@@ -82,7 +84,7 @@ class SqpSettings:
     cost_scale: float = 1e-2
     penalty: float = 1e3
     max_penalty: float = 1e6
-    radius: float = 1.0
+    radius: float = 0.1
     max_radius: float = 10.0
     min_radius: float = 1e-9
     max_iterations: int = 300
@@ -142,6 +144,14 @@ def minimise(
     return iteration.run(on_iteration)
 
 
+class _Step(NamedTuple):
+    """Answer of a subproblem: scaled step (P,), multipliers of the margins (k,) and of the equalities (e,)."""
+
+    step: FloatArray
+    inequality: FloatArray
+    equality: FloatArray
+
+
 class _Iteration:
     """State of one run: point, Hessian, trust region."""
 
@@ -172,8 +182,15 @@ class _Iteration:
             violation = _violation(self.point)
             return SqpResult(self.x, self.point.cost, violation, 0, self.evaluations, False, False, message)
         for count in range(1, settings.max_iterations + 1):
-            step, solution, kept = self._subproblem(self.point, np.zeros_like(self.x))
-            predicted = self._merit(self.point) - self._model(step)
+            try:
+                answer = self._subproblem(self.point, np.zeros_like(self.x))
+            except ArithmeticError:  # never without rounding: the slack makes every subproblem feasible
+                if self.radius < settings.min_radius:
+                    message = "rounding: the subproblem has no answer"
+                    break
+                self.radius, self.hessian = 0.25 * self.radius, self._gauss_newton()
+                continue
+            predicted = self._merit(self.point) - self._model(answer.step)
             if predicted < settings.tolerance or self.radius < settings.min_radius:
                 if not self.secant:  # Gauss-Newton is done: finish with curvature of the constraints
                     self.secant, self.radius = True, max(self.radius, 1e-2)
@@ -189,7 +206,9 @@ class _Iteration:
                 converged = predicted < settings.tolerance
                 message = "converged" if converged else "the trust region became too small"
                 break
-            self._take(step, solution, kept, predicted)
+            gain = self._take(answer, predicted)
+            close = predicted < CLOSE * settings.cost_scale * self.point.cost
+            self.secant = self.secant or (close and gain < GAIN_OF_GAUSS_NEWTON)
             if on_iteration is not None:
                 on_iteration(count, self.point.cost, _violation(self.point))
         violation = _violation(self.point)
@@ -205,20 +224,20 @@ class _Iteration:
         )
 
     # ------------------------------------------------------------------ one step
-    def _take(self, step: FloatArray, solution: QpSolution, kept: FloatArray, predicted: float) -> None:
-        merit = self._merit(self.point)
+    def _take(self, answer: _Step, predicted: float) -> float:
+        """Try the step; returns its gain, the actual over the predicted decrease."""
+        merit, step = self._merit(self.point), answer.step
         trial = self._evaluate(step)
         gain = (merit - self._merit(trial)) / predicted
         if gain < 0.75 and _violation(self.point) < _violation(trial) < 5.0:
-            corrected, *_ = self._subproblem(trial, step)
-            second = self._evaluate(corrected)
+            corrected, second = self._corrected(trial, step)
             if self._merit(second) < self._merit(trial):
                 step, trial = corrected, second
                 gain = (merit - self._merit(trial)) / predicted
         length = float(np.max(np.abs(step)))
         if gain > 1e-4:
             if self.secant:
-                self._update_hessian(step, trial, solution, kept)
+                self._update_hessian(step, trial, answer)
             self.x = np.clip(self.x + self.scale * step, self.low, self.high)
             self.point = trial
             if not self.secant:
@@ -227,8 +246,17 @@ class _Iteration:
             self.radius = min(2.0 * self.radius, self.settings.max_radius)
         elif gain < 0.25:
             self.radius = (0.5 if gain > 0.0 else 0.25) * length
+        return gain
 
-    def _subproblem(self, at: PointEvaluation, shift: FloatArray) -> tuple[FloatArray, QpSolution, FloatArray]:
+    def _corrected(self, trial: PointEvaluation, step: FloatArray) -> tuple[FloatArray, PointEvaluation]:
+        """Second-order correction: the same step with the constraints' values where it ended."""
+        try:
+            corrected = self._subproblem(trial, step).step
+        except ArithmeticError:
+            return step, trial
+        return corrected, self._evaluate(corrected)
+
+    def _subproblem(self, at: PointEvaluation, shift: FloatArray) -> _Step:
         """Elastic QP in (step, t), with constraint values taken at ``at`` = x + shift (second-order correction)."""
         point, scale, n = self.point, self.scale, len(self.x)
         A, a = point.margins_jacobian * scale, point.equality_jacobian * scale
@@ -238,21 +266,20 @@ class _Iteration:
         # rows that cannot become active inside the box are left out
         kept = margins - np.abs(A) @ np.maximum(-low, high) < 0.0
         elastic = np.concatenate([A[kept], a, -a])
-        slack = np.ones((len(elastic), 1))
+        rows, k = np.eye(n + 1), len(elastic)
+        C = np.zeros((k + 2 * n + 1, n + 1))
+        C[:k, :n], C[:k, n] = elastic, 1.0
+        C[k : k + n + 1], C[k + n + 1 :] = rows, -rows[:n]
+        c = np.concatenate([-margins[kept], -equality, equality, low, [0.0], -high])
         H = np.zeros((n + 1, n + 1))
-        H[:n, :n] = self.hessian
-        H[n, n] = 1e-6  # keeps the slack's column from being singular
-        qp = QuadraticProgram(
-            H=H,
-            g=np.append(self.settings.cost_scale * point.cost_gradient * scale, self.penalty),
-            A=np.zeros((0, n + 1)),
-            b=np.zeros(0),
-            C=np.concatenate([np.hstack([elastic, slack]), np.eye(n + 1)]),
-            l=np.concatenate([-margins[kept], -equality, equality, low, [0.0]]),
-            u=np.concatenate([np.full(len(elastic), UNBOUNDED), high, [UNBOUNDED]]),
-        )
-        solution = ProxQpSolver(accuracy=1e-8, max_iterations=QP_MAX_ITERATIONS, retry=False).solve(qp)
-        return np.clip(solution.x[:n], low, high), solution, kept
+        H[:n, :n], H[n, n] = self.hessian, self.penalty
+        g = np.append(self.settings.cost_scale * point.cost_gradient * scale, self.penalty)
+        answer = solve_least_distance(H, g, C, c)
+        inequality = np.zeros(len(kept))
+        e, count = len(equality), k - 2 * len(equality)
+        inequality[kept] = answer.multipliers[:count]
+        both = answer.multipliers[count : count + 2 * e]
+        return _Step(np.clip(answer.x[:n], low, high), inequality, both[:e] - both[e:])
 
     # ------------------------------------------------------------------ models
     def _evaluate(self, step: FloatArray) -> PointEvaluation:
@@ -260,9 +287,13 @@ class _Iteration:
         return self.evaluate(np.clip(self.x + self.scale * step, self.low, self.high))
 
     def _merit(self, point: PointEvaluation) -> float:
-        merit = self.settings.cost_scale * point.cost + self.penalty * _violation(point)
+        merit = self.settings.cost_scale * point.cost + self._price(_violation(point))
         # an iterate outside the domain of the formulas (nan, or a cost of nonsense) is no progress
         return merit if np.isfinite(merit) and point.cost > 0.0 else np.inf
+
+    def _price(self, violation: float) -> float:
+        """Of a violation t: rho (t + t^2/2). The square keeps the subproblem strictly convex in the slack."""
+        return self.penalty * (violation + 0.5 * violation**2)
 
     def _model(self, step: FloatArray) -> float:
         point, scale = self.point, self.scale
@@ -271,23 +302,20 @@ class _Iteration:
         violation = max(0.0, float(-np.min(margins, initial=0.0)), float(np.max(np.abs(equality), initial=0.0)))
         gradient = self.settings.cost_scale * point.cost_gradient * scale
         quadratic = gradient @ step + 0.5 * step @ self.hessian @ step
-        return float(self.settings.cost_scale * point.cost + quadratic + self.penalty * violation)
+        return float(self.settings.cost_scale * point.cost + quadratic + self._price(violation))
 
     def _gauss_newton(self) -> FloatArray:
         R = self.point.residual_jacobian * self.scale
         return 2.0 * self.settings.cost_scale * R.T @ R + 1e-6 * np.eye(len(self.x))
 
-    def _update_hessian(self, step: FloatArray, trial: PointEvaluation, solution: QpSolution, kept: FloatArray) -> None:
+    def _update_hessian(self, step: FloatArray, trial: PointEvaluation, answer: _Step) -> None:
         """Powell's damped BFGS update with the multipliers of the quadratic program."""
-        e = len(trial.equality)
-        count = int(kept.sum())
-        inequality = np.zeros(len(kept))
-        inequality[kept] = solution.z[:count]
-        equality = solution.z[count : count + e] - solution.z[count + e : count + 2 * e]
 
         def gradient(point: PointEvaluation) -> FloatArray:
             lagrangian = self.settings.cost_scale * point.cost_gradient
-            lagrangian = lagrangian + point.margins_jacobian.T @ inequality + point.equality_jacobian.T @ equality
+            lagrangian = (
+                lagrangian - answer.inequality @ point.margins_jacobian - answer.equality @ point.equality_jacobian
+            )
             return lagrangian * self.scale
 
         change = gradient(trial) - gradient(self.point)

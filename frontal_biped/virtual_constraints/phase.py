@@ -141,9 +141,9 @@ def constrained_motion(
     value, first, second = basis.joints
     one, zero = np.ones_like(beta)[:, None], np.zeros_like(beta)[:, None]
     return ConstrainedMotion(
-        q=np.concatenate([beta[:, None], value @ joint_bezier.T], axis=1),
-        dq=np.concatenate([one, first @ joint_bezier.T / beta_range], axis=1),
-        ddq=np.concatenate([zero, second @ joint_bezier.T / beta_range**2], axis=1),
+        q=np.concatenate([beta[:, None], (joint_bezier @ value.T).T], axis=1),
+        dq=np.concatenate([one, (joint_bezier @ first.T).T / beta_range], axis=1),
+        ddq=np.concatenate([zero, (joint_bezier @ second.T).T / beta_range**2], axis=1),
         p_fri=basis.fri[0] @ fri_bezier,
         dp_fri=basis.fri[1] @ fri_bezier / beta_range,
     )

@@ -1,0 +1,93 @@
+"""Strictly convex quadratic programs with many inequalities and few active ones, exactly and reproducibly.
+
+    minimise 1/2 x'H x + g'x   subject to   C x >= c
+
+With the Cholesky factor H = L L' and y = L'x + L^-1 g this is the point of a polyhedron nearest to the origin, and
+its dual is a non-negative least-squares problem (Lawson and Hanson, Solving Least Squares Problems, Ch. 23), which
+SciPy solves by an active-set method. The active set it ends with is then solved to rounding. Unlike an
+interior or proximal method there is no tolerance: equal input gives equal digits.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import LinAlgError, cho_factor, cho_solve, solve_triangular
+from scipy.optimize import nnls
+
+from frontal_biped.arrays import FloatArray
+
+SWEEPS = 20
+"""Iterations of the active-set method per constraint at which it is given up; it needs less than one."""
+
+
+class LeastDistance(NamedTuple):
+    """Answer.
+
+    Attributes:
+        x: (n,) minimiser.
+        multipliers: (k,) of C x >= c, not negative.
+    """
+
+    x: FloatArray
+    multipliers: FloatArray
+
+
+class NoFeasiblePointError(ArithmeticError):
+    """The inequalities contradict each other, or rounding makes it look so."""
+
+
+class IndefiniteError(ArithmeticError):
+    """H is not positive definite."""
+
+
+def solve_least_distance(H: FloatArray, g: FloatArray, C: FloatArray, c: FloatArray) -> LeastDistance:
+    """Solve one problem.
+
+    Args:
+        H: (n, n) symmetric positive definite.
+        g: (n,).
+        C: (k, n).
+        c: (k,).
+
+    Returns:
+        Minimiser and multipliers.
+
+    Raises:
+        NoFeasiblePointError: no x satisfies C x >= c.
+        IndefiniteError: H is not positive definite.
+    """
+    try:
+        L = np.linalg.cholesky(H)
+    except np.linalg.LinAlgError as error:
+        raise IndefiniteError("H is not positive definite") from error
+    g_y = solve_triangular(L, g, lower=True, check_finite=False)
+    G = solve_triangular(L, C.T, lower=True, check_finite=False)  # (n, k), one column a constraint
+    h = c + g_y @ G
+    E = np.vstack([G, h])
+    target = np.zeros(len(E))
+    target[-1] = 1.0
+    try:
+        weights, _ = nnls(E, target, maxiter=SWEEPS * max(E.shape))
+    except RuntimeError as error:
+        raise NoFeasiblePointError("the active-set method did not end") from error
+    inside = 1.0 - float(h @ weights)  # zero where the polyhedron is empty
+    if inside <= 1e-14:
+        raise NoFeasiblePointError("the inequalities contradict each other")
+    multipliers = _polished(G, h, weights / inside)
+    y = G @ multipliers
+    return LeastDistance(solve_triangular(L, y - g_y, lower=True, trans="T", check_finite=False), multipliers)
+
+
+def _polished(G: FloatArray, h: FloatArray, multipliers: FloatArray) -> FloatArray:
+    """Multipliers with the active constraints met exactly: (G_a' G_a) multipliers_a = h_a."""
+    active = multipliers > 0.0
+    columns = G[:, active]
+    try:
+        exact = cho_solve(cho_factor(columns.T @ columns, check_finite=False), h[active], check_finite=False)
+    except LinAlgError:  # nearly dependent constraints: keep what the method found
+        return multipliers
+    if np.min(exact, initial=0.0) < 0.0:
+        return multipliers
+    polished = np.zeros_like(multipliers)
+    polished[active] = exact
+    return polished
