@@ -1,23 +1,26 @@
-"""Design a gait: optimise, check on a dense grid, tighten where the grid disagrees, polish, certify."""
+"""Design a gait: optimise, check on a dense grid, tighten where the grid disagrees, close the orbit, simulate a step."""
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.design.explanation import Conflict, Remedy, conflicts, remedy
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.design.report import ConstraintReport, check_constraints
 from frontal_biped.design.specification import GaitSpecification, default_specification
 from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, minimise
+from frontal_biped.design.verification import RETURN_TOLERANCE, Verification, verify
 from frontal_biped.exceptions import ReversalError, SpecificationError, UnreachablePoseError
 from frontal_biped.gait import Gait, RobotReference, converged_nodes, orbit_numbers
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.poincare import step_orbit
+from frontal_biped.poincare import StepOrbit, step_orbit
 from frontal_biped.provenance import software_versions
 from frontal_biped.virtual_constraints.invariance import complete
+from frontal_biped.virtual_constraints.phase import Phase
 
 OPTIMISER_NODES = 16
 """Quadrature nodes a phase in the optimiser: about 1e-7 in J; the result is integrated again until 1e-11."""
@@ -27,6 +30,8 @@ NEWTON_STEPS = 6  # on the periodicity equation; quadratic, from about 1e-8
 CLOSED = 1e-14  # scaled periodicity defect at which they stop: rounding
 SAFETY = 1e-7  # every scaled constraint keeps this distance in the optimiser, against its own tolerance
 RESIDUAL_TOLERANCE = 1e-9
+SPREAD = 0.5
+"""Standard deviation of the starts of a multi-start, in units of the variables' scales."""
 
 Progress = Callable[[int, float, float], None]
 
@@ -38,11 +43,15 @@ class DesignResult:
     Attributes:
         gait: the gait, or None when the specification could not be met.
         report: C01 to C09 on the dense grid at the point where the optimiser stopped; None where no step exists.
-        success: gait found, every constraint satisfied on the grid, every residual below 1e-9.
-        message: one line: what was reached, or which constraints are in the way and what to relax.
-        iterations: of the optimiser, all rounds.
-        evaluations: of objective and constraints, all rounds.
+        success: gait found, every constraint satisfied on the grid, every residual below 1e-9, and one step of the
+            full model simulated that returns to where it began.
+        message: one line: what was reached, or which constraints contradict each other and what to relax first.
+        iterations: of the optimiser, all rounds and starts.
+        evaluations: of objective and constraints, all rounds and starts.
         seconds: wall time.
+        conflicts: the contradicting constraints of a specification that could not be met.
+        remedy: a change of the specification that was tried and leaves a gait.
+        verification: the simulated step; None where there was no candidate.
     """
 
     gait: Gait | None
@@ -52,6 +61,9 @@ class DesignResult:
     iterations: int
     evaluations: int
     seconds: float
+    conflicts: tuple[Conflict, ...] = ()
+    remedy: Remedy | None = None
+    verification: Verification | None = None
 
 
 # iterates without an orbit have roots of negative numbers; they are told by their values, not by warnings
@@ -60,7 +72,8 @@ def design_gait(
     biped: FrontalBiped,
     specification: GaitSpecification | None = None,
     *,
-    start: FloatArray | None = None,
+    start: Gait | FloatArray | None = None,
+    attempts: int = 1,
     on_progress: Progress | None = None,
 ) -> DesignResult:
     """Minimise J under C01 to C09.
@@ -68,7 +81,10 @@ def design_gait(
     Args:
         biped: the robot.
         specification: the bounds; default: `default_specification`, what the robot's description asks for.
-        start: (P,) variables of `DesignProblem` to start from; default: its own start.
+        start: a gait, or (P,) variables of `DesignProblem`, to start from; where that leads nowhere, and by default,
+            the problem's own start.
+        attempts: designs from as many starts, the further ones drawn at random (``seed`` of the specification) around
+            the default; the cheapest gait is kept.
         on_progress: called with iteration, J [N^2 m s] and largest scaled violation.
 
     Returns:
@@ -76,7 +92,7 @@ def design_gait(
 
     Raises:
         UnreachablePoseError: no double support pose exists at the start.
-        SpecificationError: the FRI margin leaves no room in the robot's sole.
+        SpecificationError: the FRI margin leaves no room in the robot's sole, or ``attempts`` is below 1.
     """
     spec = default_specification(biped) if specification is None else specification
     outer, inner = biped.sole
@@ -84,77 +100,187 @@ def design_gait(
         raise SpecificationError(
             f"fri_margin = {spec.fri_margin:g} m leaves no room in a sole of {inner - outer:g} m; reduce it"
         )
+    if attempts < 1:
+        raise SpecificationError(f"attempts = {attempts} is below 1; a design needs a start")
     began = time.perf_counter()
-    problem = DesignProblem(biped, spec, OPTIMISER_NODES, SAFETY)
+    design = _Design(biped, spec, on_progress)
+    candidates: list[_Candidate] = []
+    for number, x in enumerate(_starts(design.problem, spec, start, attempts)):
+        if number >= attempts and any(candidate.good for candidate in candidates):
+            break  # the default start only stands in for a start that led nowhere
+        candidates.append(design.run(x))
+    best = min(candidates, key=lambda candidate: (not candidate.good, candidate.figure))
+    result = design.conclude(best) if best.good else design.explain(best)
+    return replace(result, seconds=time.perf_counter() - began)
+
+
+def _starts(
+    problem: DesignProblem, spec: GaitSpecification, start: Gait | FloatArray | None, attempts: int
+) -> Iterator[FloatArray]:
+    default = problem.start()
     low, high = problem.bounds()
-    x = problem.start() if start is None else np.asarray(start, dtype=float)
-    iterations = evaluations = 0
-    for _ in range(TIGHTENING_ROUNDS):
-        done = iterations
+    if start is not None:
+        yield np.clip(problem.variables(start) if isinstance(start, Gait) else np.asarray(start, dtype=float), low, high)
+    else:
+        yield default
+    rng = np.random.default_rng(spec.seed)
+    for _ in range(attempts - 1):
+        x = default + SPREAD * problem.scale() * rng.normal(size=problem.size)
+        x[2] = rng.uniform(*spec.step_width)
+        yield np.clip(x, low, high)
+    if start is not None:
+        yield default
 
-        def report_progress(count: int, cost: float, violation: float, done: int = done) -> None:
-            if on_progress is not None:
-                on_progress(done + count, cost, violation)
 
-        result = minimise(problem.evaluate, x, low, high, problem.scale(), SqpSettings(), report_progress)
-        iterations, evaluations = iterations + result.iterations, evaluations + result.evaluations
-        x = result.x
-        try:
-            rising, falling = complete(biped, problem.unpack(x))
-            nodes = converged_nodes(biped, rising, falling, float(x[2]))
-        except (ReversalError, UnreachablePoseError) as error:
-            message = f"no step exists where the optimiser stopped: {error}; relax the specification"
-            return DesignResult(None, None, False, message, iterations, evaluations, time.perf_counter() - began)
-        if result.feasible:
-            x = _close_orbit(DesignProblem(biped, spec, nodes), x)
-            rising, falling = complete(biped, problem.unpack(x))
-        step = step_orbit(biped, rising, falling, float(x[2]), nodes)
-        report = check_constraints(biped, spec, rising, falling, step)
-        if report.satisfied or not result.feasible:
-            break
-        problem.tighten({(check.code, check.name): -check.margin / check.scale for check in report.violated})
+class _Candidate(NamedTuple):
+    """Where one start led."""
 
-    def conclude(gait: Gait | None, message: str) -> DesignResult:
-        seconds = time.perf_counter() - began
-        return DesignResult(gait, report, gait is not None, message, iterations, evaluations, seconds)
+    x: FloatArray
+    result: SqpResult
+    problem: DesignProblem
+    phases: tuple[Phase, Phase] | None
+    step: StepOrbit | None
+    report: ConstraintReport | None
+    obstacle: str
 
-    if not result.feasible or not report.satisfied:
-        return conclude(None, _explain(report, result))
-    reference = RobotReference(biped.name, biped.path.name, biped.fingerprint)
-    gait = Gait(reference, rising, falling, float(x[2]), orbit_numbers(biped, step), spec.as_dict())
-    residuals = gait.residuals(biped, step)
-    name = max(residuals, key=lambda key: residuals[key])
-    if residuals[name] > RESIDUAL_TOLERANCE:
-        bound = f"{residuals[name]:.2g}, above {RESIDUAL_TOLERANCE:g}"
-        return conclude(None, f"the gait's residual {name} is {bound}; try another degree")
-    provenance: dict[str, Any] = {
-        "versions": software_versions(),
-        "seed": spec.seed,
-        "solver": {"status": result.message, "iterations": iterations, "evaluations": evaluations},
-        "residuals": residuals,
-    }
-    orbit = gait.orbit
-    message = f"J = {orbit.cost:.4f} N^2 m s, multiplier {orbit.multiplier:.4f}, all constraints satisfied"
-    return conclude(replace(gait, provenance=provenance), message)
+    @property
+    def good(self) -> bool:
+        return self.result.feasible and self.report is not None and self.report.satisfied
+
+    @property
+    def figure(self) -> float:
+        """What candidates are compared by: cost of a gait, violation of a failure."""
+        return self.result.cost if self.good else self.result.violation
+
+
+class _Design:
+    """One specification, designed for from one or several starts."""
+
+    def __init__(self, biped: FrontalBiped, spec: GaitSpecification, on_progress: Progress | None) -> None:
+        self.biped, self.spec, self.on_progress = biped, spec, on_progress
+        self.problem = DesignProblem(biped, spec, OPTIMISER_NODES, SAFETY)
+        self.iterations = self.evaluations = 0
+
+    def run(self, x: FloatArray) -> _Candidate:
+        """Optimise from x; tighten and repeat where the dense grid finds a violation between the nodes."""
+        problem = DesignProblem(self.biped, self.spec, OPTIMISER_NODES, SAFETY)
+        low, high = problem.bounds()
+        x = problem.restored(x)
+        for _ in range(TIGHTENING_ROUNDS):
+            result = minimise(problem.evaluate, x, low, high, problem.scale(), SqpSettings(), self._progress())
+            self.iterations += result.iterations
+            self.evaluations += result.evaluations
+            x = result.x
+            try:
+                phases = complete(self.biped, problem.unpack(x))
+                nodes = converged_nodes(self.biped, *phases, float(x[2]))
+            except (ReversalError, UnreachablePoseError) as error:
+                return _Candidate(x, result, problem, None, None, None, str(error))
+            if result.feasible:
+                x = _close_orbit(DesignProblem(self.biped, self.spec, nodes), x)
+                phases = complete(self.biped, problem.unpack(x))
+            step = step_orbit(self.biped, *phases, float(x[2]), nodes)
+            report = check_constraints(self.biped, self.spec, *phases, step)
+            if report.satisfied or not result.feasible:
+                break
+            problem.tighten({(check.code, check.name): -check.margin / check.scale for check in report.violated})
+        return _Candidate(x, result, problem, phases, step, report, "")
+
+    def _progress(self) -> Progress | None:
+        on_progress, done = self.on_progress, self.iterations
+        if on_progress is None:
+            return None
+        return lambda count, cost, violation: on_progress(done + count, cost, violation)
+
+    def conclude(self, candidate: _Candidate) -> DesignResult:
+        """Residuals and a simulated step decide whether the candidate is a gait."""
+        biped, step = self.biped, candidate.step
+        assert candidate.phases is not None and step is not None
+        reference = RobotReference(biped.name, biped.path.name, biped.fingerprint)
+        width = float(candidate.x[2])
+        gait = Gait(reference, *candidate.phases, width, orbit_numbers(biped, step), self.spec.as_dict())
+        residuals = gait.residuals(biped, step)
+        name = max(residuals, key=lambda key: residuals[key])
+        if residuals[name] > RESIDUAL_TOLERANCE:
+            bound = f"{residuals[name]:.2g}, above {RESIDUAL_TOLERANCE:g}"
+            return self._result(None, candidate, f"the gait's residual {name} is {bound}; try another degree")
+        verification = verify(biped, gait)
+        if not verification.passed:
+            seen = f"outcome {verification.outcome}, return error {verification.return_error:.2g}"
+            message = f"a simulated step of the candidate does not return within {RETURN_TOLERANCE:g}: {seen}"
+            return self._result(None, candidate, f"{message}; try another degree", verification)
+        provenance: dict[str, Any] = {
+            "versions": software_versions(),
+            "seed": self.spec.seed,
+            "solver": {
+                "status": candidate.result.message,
+                "iterations": self.iterations,
+                "evaluations": self.evaluations,
+            },
+            "residuals": residuals,
+            "simulated_step": asdict(verification),
+        }
+        orbit = gait.orbit
+        message = f"J = {orbit.cost:.4f} N^2 m s, multiplier {orbit.multiplier:.4f}, all constraints satisfied"
+        return self._result(replace(gait, provenance=provenance), candidate, message, verification)
+
+    def explain(self, candidate: _Candidate) -> DesignResult:
+        """Which constraints contradict each other where the optimiser ended, and what to relax first."""
+        causes = conflicts(candidate.problem, candidate.result)
+        if not causes or candidate.result.feasible:
+            return self._result(None, candidate, _nearest(candidate))
+        cure = remedy(self.biped, self.spec, causes, lambda changed: self._feasible(changed, candidate.x))
+        listed = "; ".join(str(cause) for cause in causes[:4])
+        more = f" and {len(causes) - 4} more" if len(causes) > 4 else ""
+        advice = str(cure) if cure is not None else "no single one of them is enough to relax"
+        message = f"the specification cannot be met, these contradict each other: {listed}{more}; {advice}"
+        return replace(self._result(None, candidate, message), conflicts=causes, remedy=cure)
+
+    def _feasible(self, changed: GaitSpecification, x: FloatArray) -> bool:
+        """Does a step exist under another specification, in reach of x?"""
+        problem = DesignProblem(self.biped, changed, OPTIMISER_NODES, SAFETY)
+        low, high = problem.bounds()
+        result = minimise(problem.evaluate, problem.restored(x), low, high, problem.scale(), SqpSettings())
+        self.iterations += result.iterations
+        self.evaluations += result.evaluations
+        return result.feasible
+
+    def _result(
+        self, gait: Gait | None, candidate: _Candidate, message: str, verification: Verification | None = None
+    ) -> DesignResult:
+        return DesignResult(
+            gait,
+            candidate.report,
+            gait is not None,
+            message,
+            self.iterations,
+            self.evaluations,
+            0.0,
+            verification=verification,
+        )
 
 
 def _close_orbit(problem: DesignProblem, x: FloatArray) -> FloatArray:
-    """Newton steps of least length on the periodicity equation of a problem on nodes enough for full accuracy."""
+    """Newton steps of least length on the equalities of a problem on nodes enough for full accuracy."""
     low, high = problem.bounds()
     for _ in range(NEWTON_STEPS):
         point = problem.evaluate(x)
-        if abs(point.equality[0]) < CLOSED:
+        if np.max(np.abs(point.equality)) < CLOSED:
             break
         # variables on or next to their bounds stay where they are
         room = np.minimum(x - low, high - x)
         scale = np.where(room > 1e-6 * problem.scale(), problem.scale(), 0.0)
-        row = point.equality_jacobian[0] * scale
-        x = np.clip(x - scale * row * (point.equality[0] / (row @ row)), low, high)
+        rows = point.equality_jacobian * scale
+        x = np.clip(x - scale * np.linalg.lstsq(rows, point.equality, rcond=None)[0], low, high)
     return x
 
 
-def _explain(report: ConstraintReport, result: SqpResult) -> str:
-    if not report.violated:
+def _nearest(candidate: _Candidate) -> str:
+    """What stands in the way where no multipliers tell: no step at all, or one that the dense grid refuses."""
+    if candidate.obstacle:
+        return f"no step exists where the optimiser stopped: {candidate.obstacle}; relax the specification"
+    report, result = candidate.report, candidate.result
+    if report is None or not report.violated:
         violation = f"{result.message}, violation {result.violation:.2g}"
         return f"no periodic orbit found: {violation}; widen step_duration or step_width"
     worst = [

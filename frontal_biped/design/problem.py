@@ -7,7 +7,8 @@ quadrature nodes from the reversal with exact derivatives.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import NamedTuple, cast
+from functools import lru_cache
+from typing import ClassVar, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +19,12 @@ from frontal_biped.design.derivatives import DifferentiableBiped, Projection
 from frontal_biped.design.forward_mode import Dual, elementwise, independent
 from frontal_biped.design.specification import GaitSpecification
 from frontal_biped.exceptions import UnreachablePoseError
+from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.frontal_chain import UPRIGHT
 from frontal_biped.poincare import Landing, StepOrbit
 from frontal_biped.quadrature import reversal_quadrature
+from frontal_biped.virtual_constraints.bezier import bernstein, elevate
 from frontal_biped.virtual_constraints.invariance import (
     FreeParameters,
     PhaseParameters,
@@ -33,7 +36,7 @@ from frontal_biped.virtual_constraints.invariance import (
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion, constrained_motion, phase_basis
 from frontal_biped.zero_dynamics import TORQUES, PhaseOrbit, RestrictedDynamics, integrate_from_reversal
 
-FLOOR_Z = 1e-3
+FLOOR_Z = 1e-2
 """Below this zeta/tau^2 [kg^2 m^4/s^2] the square root is continued smoothly, so that an iterate without an orbit
 still has a cost and a gradient; a gait has values of about 10."""
 
@@ -53,8 +56,9 @@ class Evaluation:
         cost: J [N^2 m s].
         cost_gradient: (P,).
         residual_jacobian: (8 n, P) of the weighted torques, whose squares add up to J.
-        equality: (1,) periodicity defect, in units of 0.1 rad^2/s^2.
-        equality_jacobian: (1, P).
+        equality: (e,) periodicity defect, in units of 0.1 rad^2/s^2; then, of outputs with a lower degree than the
+            highest, the differences of the columns that must vanish, in units of 0.1 rad.
+        equality_jacobian: (e, P).
         margins: (k,) scaled margins, >= 0 where satisfied.
         margins_jacobian: (k, P).
     """
@@ -81,6 +85,9 @@ class DesignProblem:
         tighten_by: distance that every scaled constraint keeps from its bound.
     """
 
+    SPECIFIED_VARIABLES: ClassVar = {2: ("step_width[0]", "step_width[1]")}
+    """Index of a variable whose bounds stand in the specification: their entries."""
+
     def __init__(
         self, biped: FrontalBiped, specification: GaitSpecification, size: int, tighten_by: float = 0.0
     ) -> None:
@@ -88,7 +95,7 @@ class DesignProblem:
         self.specification = specification
         self.rule = reversal_quadrature(size)
         self._differentiable = DifferentiableBiped(biped)
-        M, F = specification.degree, specification.fri_degree
+        M, F = max(specification.degrees), specification.fri_degree
         tau_squared = self.rule.tau**2
         self._rising_basis = phase_basis(M, F, 1.0 - tau_squared)
         self._falling_basis = phase_basis(M, F, tau_squared)
@@ -97,7 +104,7 @@ class DesignProblem:
         self.size = int(self._splits[-1])
         self.tighten_by = tighten_by
         self._tightened: dict[tuple[str, str], float] = {}
-        self._margin_rows: _Rows | None = None
+        self._layout: _MarginLayout | None = None
 
     # ------------------------------------------------------------------ variables
     def unpack(self, x: FloatArray) -> FreeParameters:
@@ -150,7 +157,7 @@ class DesignProblem:
             roll = min(roll, 0.5 * spec.max_pelvis_roll)
         reversal[1] += roll - lean
         reversal[2] -= roll
-        M = spec.degree
+        M = max(spec.degrees)
         begin, end = final[::-1][1:], final[1:]
         ramp = np.linspace(0.0, 1.0, M + 1)
         ease = ramp**2 * (3.0 - 2.0 * ramp)
@@ -179,7 +186,7 @@ class DesignProblem:
     # ------------------------------------------------------------------ evaluation
     def evaluate(self, x: FloatArray) -> Evaluation:
         """Objective and constraints at x (P,), with exact derivatives."""
-        step, soles = self._step(independent(x))
+        step, soles, surplus = self._step(independent(x))
         lifted = step._replace(
             rising=_with_floor(step.rising),
             falling=_with_floor(step.falling),
@@ -189,9 +196,11 @@ class DesignProblem:
         constraints += [
             Constraint("", "orbit", "", orbit.z, FLOOR_Z, None, 10.0) for orbit in (step.rising, step.falling)
         ]
-        rows = self._rows(constraints)
-        values = cast("Dual", np.concatenate([constraint.values for constraint in constraints])).block[:, rows.entry]
-        defect = cast("Dual", step.periodicity)
+        if self._layout is None:
+            self._layout = self._lay_out(constraints)
+        layout = self._layout
+        values = cast("Dual", np.concatenate([constraint.values for constraint in constraints])).block[:, layout.picks]
+        equality = cast("Dual", np.concatenate([np.stack([step.periodicity]), *surplus]))
         # J is the sum of the squares of these
         torques = np.concatenate(
             [_weighted_torques(orbit, lifted.step_width) for orbit in (lifted.rising, lifted.falling)]
@@ -201,29 +210,35 @@ class DesignProblem:
             float(residual @ residual),
             2.0 * residual @ residual_jacobian,
             residual_jacobian,
-            np.atleast_1d(defect.value) / 0.1,
-            np.atleast_2d(defect.derivative) / 0.1,
-            (values[0] - rows.bound) * rows.factor,
-            (values[1:] * rows.factor).T,
+            equality.value / 0.1,
+            equality.derivative.T / 0.1,
+            (values[0] - layout.bound) * layout.factor,
+            (values[1:] * layout.factor).T,
         )
 
-    def _rows(self, constraints: list[Constraint]) -> "_Rows":
+    def rows(self) -> "tuple[MarginRow, ...]":
+        """What the margins of the last evaluation mean, in their order."""
+        return () if self._layout is None else self._layout.meaning
+
+    def _lay_out(self, constraints: list[Constraint]) -> "_MarginLayout":
         """Which value enters which margin, and how; the same for every evaluation until bounds are tightened."""
-        if self._margin_rows is None:
-            index, bound, factor = [], [], []
-            begin = 0
-            for constraint in constraints:
-                entries = np.arange(begin, begin + len(constraint.values))
-                begin += len(entries)
-                if constraint.name == STEP_WIDTH:
-                    continue  # a variable, bounded as such
-                distance = self.tighten_by + self._tightened.get((constraint.code, constraint.name), 0.0)
-                for limit, sign in constraint.sides(distance):
-                    index.append(entries)
-                    bound.append(np.full(len(entries), limit))
-                    factor.append(np.full(len(entries), sign / constraint.scale))
-            self._margin_rows = _Rows(np.concatenate(index), np.concatenate(bound), np.concatenate(factor))
-        return self._margin_rows
+        picks, bounds, factors, meaning = [], [], [], []
+        begin = row = 0
+        for constraint in constraints:
+            picked = np.arange(begin, begin + len(constraint.values))
+            begin += len(picked)
+            if constraint.name == STEP_WIDTH:
+                continue  # a variable, bounded as such
+            distance = self.tighten_by + self._tightened.get((constraint.code, constraint.name), 0.0)
+            for bound, sign in constraint.sides(distance):
+                picks.append(picked)
+                bounds.append(np.full(len(picked), bound))
+                factors.append(np.full(len(picked), sign / constraint.scale))
+                code, name, unit, scale = constraint.code, constraint.name, constraint.unit, constraint.scale
+                entries, row = slice(row, row + len(picked)), row + len(picked)
+                key = constraint.keys[0 if sign > 0.0 else 1]
+                meaning.append(MarginRow(code, name, key, unit, bound, scale, entries))
+        return _MarginLayout(np.concatenate(picks), np.concatenate(bounds), np.concatenate(factors), tuple(meaning))
 
     def restored(self, x: FloatArray) -> FloatArray:
         """The point itself, or where the formulas have no value there, one on the way to the default start.
@@ -243,13 +258,30 @@ class DesignProblem:
             x = 0.5 * (x + start)
         return start
 
+    def variables(self, gait: Gait) -> FloatArray:
+        """Variables (P,) of a gait, of any degree: raised exactly, lowered by least squares."""
+        M, F = max(self.specification.degrees), self.specification.fri_degree
+        rising, falling = (_of_degree(phase.joint_bezier, M) for phase in (gait.rising, gait.falling))
+        rising_fri, falling_fri = (_of_degree(phase.fri_bezier, F) for phase in (gait.rising, gait.falling))
+        return self.pack(
+            FreeParameters(
+                gait.beta_reversal,
+                gait.falling.beta_end,
+                gait.step_width,
+                rising[:, 2:],
+                falling[:, 2:-1],
+                rising_fri,
+                falling_fri[1:],
+            )
+        )
+
     def tighten(self, shortfall: Mapping[tuple[str, str], float]) -> None:
         """Move bounds inwards by the scaled violations found between the nodes, by code and name of the constraint."""
         for key, violation in shortfall.items():
             self._tightened[key] = self._tightened.get(key, 0.0) + 1.1 * violation
-        self._margin_rows = None
+        self._layout = None
 
-    def _step(self, x: Dual) -> tuple[StepOrbit, SoleHeights]:
+    def _step(self, x: Dual) -> tuple[StepOrbit, SoleHeights, list[FloatArray]]:
         free = self.unpack(cast("FloatArray", x))
         q_minus = self._differentiable.double_support_pose(x[1], x[2])
         dq_minus = final_falling_slope(free, cast("FloatArray", q_minus))
@@ -261,7 +293,9 @@ class DesignProblem:
         up, down = self._differentiable.project(motions)
         rise = self._orbit(+1, free.beta_reversal - rising.beta_start, motions[0], up)
         fall = self._orbit(-1, free.beta_reversal - falling.beta_end, motions[1], down)
-        return StepOrbit(rise, fall, landing, free.step_width), SoleHeights(up.soles, down.soles)
+        surplus = [_surplus(phase.joint_bezier, self.specification.degrees) for phase in (rising, falling)]
+        step = StepOrbit(rise, fall, landing, free.step_width)
+        return step, SoleHeights(up.soles, down.soles), [part for parts in surplus for part in parts]
 
     def _motion(self, direction: int, phase: PhaseParameters) -> ConstrainedMotion:
         rising = direction > 0
@@ -275,12 +309,48 @@ class DesignProblem:
         return integrate_from_reversal(self.rule, direction, Delta, motion, restricted)
 
 
-class _Rows(NamedTuple):
-    """Margins (k,) = (values[entry] - bound) factor."""
+def _surplus(joint_bezier: FloatArray, degrees: tuple[int, int, int]) -> list[FloatArray]:
+    """Leading coefficients that an output of lower degree must not have: differences of its columns."""
+    M = joint_bezier.shape[1] - 1
+    return [joint_bezier[i] @ _leading(M, degree).T for i, degree in enumerate(degrees) if degree < M]
 
-    entry: NDArray[np.intp]
+
+@lru_cache(maxsize=64)
+def _leading(M: int, degree: int) -> FloatArray:
+    """(M - degree, M + 1) differences of order degree + 1 .. M of M + 1 coefficients, the first of each order."""
+    rows = [np.diff(np.eye(M + 1), n=order, axis=0)[0] for order in range(degree + 1, M + 1)]
+    return np.array(rows)
+
+
+class MarginRow(NamedTuple):
+    """A run of margins that belong to one side of one constraint.
+
+    Attributes:
+        code: of the constraint.
+        name: of the constraint.
+        key: entry of the specification that sets the bound, or "".
+        unit: of the bound.
+        bound: as the optimiser sees it.
+        scale: units per scaled unit.
+        entries: where in the margins.
+    """
+
+    code: str
+    name: str
+    key: str
+    unit: str
+    bound: float
+    scale: float
+    entries: slice
+
+
+class _MarginLayout(NamedTuple):
+    """Margins (k,) = (values[picks] - bound) factor."""
+
+    picks: NDArray[np.intp]
     bound: FloatArray
     factor: FloatArray
+    meaning: tuple[MarginRow, ...]
 
 
 _LANDING_PARTS = (slice(0, 4), slice(4, 7), slice(7, 9), slice(9, 11))
@@ -297,15 +367,24 @@ def _columns(x: Dual, begin: int, end: int) -> FloatArray:
 
 
 def _with_floor(orbit: PhaseOrbit) -> PhaseOrbit:
-    """The orbit with z >= 0 everywhere: below FLOOR_Z the exponential that continues it with equal slope."""
+    """The orbit with z > 0 everywhere: below FLOOR_Z a hyperbola that continues it with equal slope."""
     z = cast("Dual", orbit.z)
     low = z.value < FLOOR_Z
     if not np.any(low):
         return orbit
-    tail = FLOOR_Z * np.exp(np.clip(z.value / FLOOR_Z - 1.0, -30.0, 0.0))
-    value = np.where(low, tail, z.value)
-    slope = np.where(low, tail / FLOOR_Z, 1.0)
+    share = FLOOR_Z / (2.0 * FLOOR_Z - np.minimum(z.value, FLOOR_Z))
+    value = np.where(low, FLOOR_Z * share, z.value)
+    slope = np.where(low, share**2, 1.0)
     return replace(orbit, z=cast("FloatArray", elementwise(z, value, slope)))
+
+
+def _of_degree(coefficients: FloatArray, degree: int) -> FloatArray:
+    """Bezier coefficients (..., degree + 1) of the same polynomials, or of the nearest of a lower degree."""
+    if coefficients.shape[-1] <= degree + 1:
+        return elevate(coefficients, degree)
+    s = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 4 * coefficients.shape[-1]))
+    values = bernstein(coefficients.shape[-1] - 1, s) @ coefficients.T
+    return np.linalg.lstsq(bernstein(degree, s), values, rcond=None)[0].T
 
 
 def _symmetric_stance(biped: FrontalBiped, step_width: float) -> float:

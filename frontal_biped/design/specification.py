@@ -16,7 +16,7 @@ class GaitSpecification:
     """What a gait must satisfy; every key of a specification file, in SI units and radians.
 
     Attributes:
-        degree: degree M of the joint polynomials, at least 3.
+        degree: degree M of the joint polynomials, at least 3; or one for each of stance hip, swing hip, swing ankle.
         fri_degree: degree of the FRI polynomials, at least 1.
         friction: coefficient of friction [-] (C06, C07).
         min_normal_force: smallest normal force, as a fraction of the weight [-] (C06).
@@ -29,13 +29,18 @@ class GaitSpecification:
         step_width: smallest and largest distance between the ankles, L_s [m].
         max_pelvis_roll: largest rotation of the pelvis [rad]; None: free.
         max_torque: torque limits of stance ankle, stance hip, swing hip, swing ankle [N m]; None: the robot's.
+        max_multiplier: largest multiplier of the return map, below 1 [-]; None: 1 (C01).
+        min_energy_margin: energy that may be added after the impact before the robot tips outwards, over the energy
+            of the orbit [-]; None: free. See `design.constraints.energy_margin`.
+        max_reversal_shift: displacement of the reversal by 1 % of post-impact speed [rad]; None: free. See
+            `design.constraints.reversal_shift`.
         seed: of everything random.
 
     Raises:
         SpecificationError: a value is out of range; the message names key and value.
     """
 
-    degree: int = 5
+    degree: int | tuple[int, int, int] = 5
     fri_degree: int = 3
     friction: float = 0.6
     min_normal_force: float = 0.1
@@ -47,13 +52,21 @@ class GaitSpecification:
     step_width: tuple[float, float] = (0.15, 0.35)
     max_pelvis_roll: float | None = None
     max_torque: tuple[float, float, float, float] | None = None
+    max_multiplier: float | None = None
+    min_energy_margin: float | None = None
+    max_reversal_shift: float | None = None
     seed: int = 0
 
     def __post_init__(self) -> None:
-        for key, low, high in _INTEGER_RANGES:
-            value = getattr(self, key)
-            if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
-                raise SpecificationError(f"{key} = {value!r} is not a whole number from {low} to {high}")
+        degrees = self.degree if isinstance(self.degree, tuple | list) else (self.degree,)
+        if len(degrees) not in (1, 3):
+            raise SpecificationError(f"degree = {list(degrees)} is neither one number nor a list of 3, one an output")
+        for degree in degrees:
+            _whole("degree", degree, *_DEGREES)
+        if isinstance(self.degree, list):
+            object.__setattr__(self, "degree", tuple(self.degree))
+        _whole("fri_degree", self.fri_degree, 1, 12)
+        _whole("seed", self.seed, 0, 2**63 - 1)
         for key, positive in _NUMBERS.items():
             value = finite_number(key, getattr(self, key), SpecificationError)
             if value < 0.0 or (positive and value == 0.0):
@@ -78,6 +91,18 @@ class GaitSpecification:
             if min(torque) <= 0.0:
                 raise SpecificationError(f"max_torque = {list(torque)}: every limit must be positive")
             object.__setattr__(self, "max_torque", torque)
+
+        for key, most in _OPTIONAL.items():
+            if getattr(self, key) is not None:
+                value = finite_number(key, getattr(self, key), SpecificationError)
+                if not 0.0 < value < most:
+                    raise SpecificationError(f"{key} = {value:g} is not in (0, {most:g})")
+                object.__setattr__(self, key, value)
+
+    @property
+    def degrees(self) -> tuple[int, int, int]:
+        """Degree of each output: stance hip, swing hip, swing ankle."""
+        return self.degree if isinstance(self.degree, tuple) else (self.degree, self.degree, self.degree)
 
     def as_dict(self) -> dict[str, Any]:
         """Keys and values as they stand in a file; keys that are None are left out."""
@@ -113,7 +138,10 @@ def default_specification(biped: FrontalBiped) -> GaitSpecification:
     return GaitSpecification.from_dict(dict(biped.description.gait), f"{biped.path}: [gait]")
 
 
-_INTEGER_RANGES = (("degree", 3, 12), ("fri_degree", 1, 12), ("seed", 0, 2**63 - 1))
+_DEGREES = (3, 12)  # below 3 the determined columns meet; above 12 the basis is too ill-conditioned to help
+
+# key: open upper end of its range
+_OPTIONAL = {"max_multiplier": 1.0, "min_energy_margin": np.inf, "max_reversal_shift": 0.5 * np.pi}
 
 # key: must it be strictly positive?
 _NUMBERS = {
@@ -124,6 +152,11 @@ _NUMBERS = {
     "touchdown_speed": False,
     "min_phase_range": True,
 }
+
+
+def _whole(key: str, value: object, low: int, high: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
+        raise SpecificationError(f"{key} = {value!r} is not a whole number from {low} to {high}")
 
 
 def _tuple(key: str, value: object, size: int) -> tuple[Any, ...]:

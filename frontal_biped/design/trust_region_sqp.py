@@ -92,6 +92,21 @@ class SqpSettings:
     feasible: float = 1e-7
 
 
+class Multipliers(NamedTuple):
+    """Of the scaled problem: what a unit of each bound costs.
+
+    Attributes:
+        margins: (k,) not negative.
+        equality: (e,).
+        box: (P,) of the bounds of the scaled variables, positive at the lower one; zero where the trust region and
+            not the bound holds the variable.
+    """
+
+    margins: FloatArray
+    equality: FloatArray
+    box: FloatArray
+
+
 @dataclass(frozen=True)
 class SqpResult:
     """Where the iteration stopped.
@@ -105,6 +120,7 @@ class SqpResult:
         converged: was the predicted decrease below the tolerance?
         feasible: was the violation small enough?
         message: why it stopped.
+        multipliers: of the last subproblem; None before the first.
     """
 
     x: FloatArray
@@ -115,6 +131,7 @@ class SqpResult:
     converged: bool
     feasible: bool
     message: str
+    multipliers: Multipliers | None = None
 
 
 def minimise(
@@ -145,11 +162,10 @@ def minimise(
 
 
 class _Step(NamedTuple):
-    """Answer of a subproblem: scaled step (P,), multipliers of the margins (k,) and of the equalities (e,)."""
+    """Answer of a subproblem: scaled step (P,) and multipliers."""
 
     step: FloatArray
-    inequality: FloatArray
-    equality: FloatArray
+    multipliers: Multipliers
 
 
 class _Iteration:
@@ -172,6 +188,7 @@ class _Iteration:
         self.penalty = settings.penalty
         self.hessian = self._gauss_newton()
         self.secant = False
+        self.multipliers: Multipliers | None = None
 
     def run(self, on_iteration: Callable[[int, float, float], None] | None) -> SqpResult:
         settings = self.settings
@@ -190,6 +207,7 @@ class _Iteration:
                     break
                 self.radius, self.hessian = 0.25 * self.radius, self._gauss_newton()
                 continue
+            self.multipliers = answer.multipliers
             predicted = self._merit(self.point) - self._model(answer.step)
             if predicted < settings.tolerance or self.radius < settings.min_radius:
                 if not self.secant:  # Gauss-Newton is done: finish with curvature of the constraints
@@ -221,6 +239,7 @@ class _Iteration:
             converged,
             violation <= settings.feasible,
             message,
+            self.multipliers,
         )
 
     # ------------------------------------------------------------------ one step
@@ -237,7 +256,7 @@ class _Iteration:
         length = float(np.max(np.abs(step)))
         if gain > 1e-4:
             if self.secant:
-                self._update_hessian(step, trial, answer)
+                self._update_hessian(step, trial, answer.multipliers)
             self.x = np.clip(self.x + self.scale * step, self.low, self.high)
             self.point = trial
             if not self.secant:
@@ -278,8 +297,11 @@ class _Iteration:
         inequality = np.zeros(len(kept))
         e, count = len(equality), k - 2 * len(equality)
         inequality[kept] = answer.multipliers[:count]
-        both = answer.multipliers[count : count + 2 * e]
-        return _Step(np.clip(answer.x[:n], low, high), inequality, both[:e] - both[e:])
+        both = answer.multipliers[count:k]
+        at_low = np.where((self.low - self.x) / scale >= -self.radius, answer.multipliers[k : k + n], 0.0)
+        at_high = np.where((self.high - self.x) / scale <= self.radius, answer.multipliers[k + n + 1 :], 0.0)
+        multipliers = Multipliers(inequality, both[:e] - both[e:], at_low - at_high)
+        return _Step(np.clip(answer.x[:n], low, high), multipliers)
 
     # ------------------------------------------------------------------ models
     def _evaluate(self, step: FloatArray) -> PointEvaluation:
@@ -308,13 +330,13 @@ class _Iteration:
         R = self.point.residual_jacobian * self.scale
         return 2.0 * self.settings.cost_scale * R.T @ R + 1e-6 * np.eye(len(self.x))
 
-    def _update_hessian(self, step: FloatArray, trial: PointEvaluation, answer: _Step) -> None:
+    def _update_hessian(self, step: FloatArray, trial: PointEvaluation, price: Multipliers) -> None:
         """Powell's damped BFGS update with the multipliers of the quadratic program."""
 
         def gradient(point: PointEvaluation) -> FloatArray:
             lagrangian = self.settings.cost_scale * point.cost_gradient
             lagrangian = (
-                lagrangian - answer.inequality @ point.margins_jacobian - answer.equality @ point.equality_jacobian
+                lagrangian - price.margins @ point.margins_jacobian - price.equality @ point.equality_jacobian
             )
             return lagrangian * self.scale
 

@@ -14,6 +14,13 @@ BAD = [
     ("degree", 5.0, "5.0"),
     ("degree", "five", "five"),
     ("degree", True, "True"),
+    ("degree", (5, 5), "[5, 5]"),
+    ("degree", (5, 5, 2), "2"),
+    ("degree", (5, 5, 5.0), "5.0"),
+    ("max_multiplier", 1.0, "(0, 1)"),
+    ("max_multiplier", 0.0, "(0, 1)"),
+    ("min_energy_margin", -0.1, "-0.1"),
+    ("max_reversal_shift", 2.0, "2"),
     ("fri_degree", 0, "0"),
     ("fri_degree", 13, "13"),
     ("fri_degree", 1.5, "1.5"),
@@ -79,7 +86,8 @@ def test_defaults():
     assert GaitSpecification() == GaitSpecification(
         degree=5, fri_degree=3, friction=0.6, min_normal_force=0.1, fri_margin=0.005, swing_clearance=0.01,
         touchdown_speed=0.05, min_phase_range=0.02, step_duration=(0.4, 0.8), step_width=(0.15, 0.35),
-        max_pelvis_roll=None, max_torque=None, seed=0,
+        max_pelvis_roll=None, max_torque=None, max_multiplier=None, min_energy_margin=None, max_reversal_shift=None,
+        seed=0,
     )  # fmt: skip
 
 
@@ -100,10 +108,20 @@ class TestFile:
             "degree = 6\nfri_degree = 2\nfriction = 0.5\nmin_normal_force = 0.2\nfri_margin = 0.01\n"
             "swing_clearance = 0.02\ntouchdown_speed = 0.1\nmin_phase_range = 0.03\nstep_duration = [0.5, 0.6]\n"
             "step_width = [0.2, 0.3]\nmax_pelvis_roll = 0.1\nmax_torque = [40, 90, 90, 40]\nseed = 7\n"
+            "max_multiplier = 0.7\nmin_energy_margin = 0.4\nmax_reversal_shift = 0.002\n"
         )
         assert read_specification(path) == GaitSpecification(
-            6, 2, 0.5, 0.2, 0.01, 0.02, 0.1, 0.03, (0.5, 0.6), (0.2, 0.3), 0.1, (40.0, 90.0, 90.0, 40.0), 7
-        )
+            6, 2, 0.5, 0.2, 0.01, 0.02, 0.1, 0.03, (0.5, 0.6), (0.2, 0.3), 0.1, (40.0, 90.0, 90.0, 40.0),
+            0.7, 0.4, 0.002, 7,
+        )  # fmt: skip
+
+    def test_degrees_of_the_outputs(self, tmp_path):
+        path = tmp_path / "gait.toml"
+        path.write_text("degree = [6, 5, 4]\n")
+        specification = read_specification(path)
+        assert specification.degrees == (6, 5, 4)
+        assert GaitSpecification.from_dict(specification.as_dict()) == specification
+        assert GaitSpecification(degree=6).degrees == (6, 6, 6)
 
     def test_empty_file_means_defaults(self, tmp_path):
         path = tmp_path / "gait.toml"
