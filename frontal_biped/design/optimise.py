@@ -120,7 +120,9 @@ def _starts(
     default = problem.start()
     low, high = problem.bounds()
     if start is not None:
-        yield np.clip(problem.variables(start) if isinstance(start, Gait) else np.asarray(start, dtype=float), low, high)
+        yield np.clip(
+            problem.variables(start) if isinstance(start, Gait) else np.asarray(start, dtype=float), low, high
+        )
     else:
         yield default
     rng = np.random.default_rng(spec.seed)

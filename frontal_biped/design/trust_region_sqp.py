@@ -22,6 +22,9 @@ from frontal_biped.design.least_distance import solve_least_distance
 GAIN_OF_PENALTY = 0.7
 """A larger penalty that leaves more than this share of the violation will not make the problem feasible."""
 
+STEERED = 0.3
+"""A step that leaves more than this share of the violation asks whether a larger penalty would leave less."""
+
 CLOSE = 0.02
 """A predicted decrease below this share of the cost is close to the answer; ..."""
 
@@ -200,7 +203,7 @@ class _Iteration:
             return SqpResult(self.x, self.point.cost, violation, 0, self.evaluations, False, False, message)
         for count in range(1, settings.max_iterations + 1):
             try:
-                answer = self._subproblem(self.point, np.zeros_like(self.x))
+                answer = self._steered()
             except ArithmeticError:  # never without rounding: the slack makes every subproblem feasible
                 if self.radius < settings.min_radius:
                     message = "rounding: the subproblem has no answer"
@@ -267,6 +270,25 @@ class _Iteration:
             self.radius = (0.5 if gain > 0.0 else 0.25) * length
         return gain
 
+    def _steered(self) -> _Step:
+        """The next step, under a penalty large enough for the constraints' linearisations to be worth meeting.
+
+        Where the step leaves most of the violation but a larger penalty would not, the penalty grows at once
+        (steering rule, cf. Byrd, Nocedal and Waltz 2008), not only when the iteration has settled.
+        """
+        answer = self._subproblem(self.point, np.zeros_like(self.x))
+        violation = _violation(self.point)
+        left = self._linear_violation(answer.step)
+        while left > max(STEERED * violation, self.settings.feasible) and self.penalty < self.settings.max_penalty:
+            self.penalty *= 10.0
+            other = self._subproblem(self.point, np.zeros_like(self.x))
+            other_left = self._linear_violation(other.step)
+            if other_left > GAIN_OF_PENALTY * left:
+                self.penalty /= 10.0
+                break
+            answer, left = other, other_left
+        return answer
+
     def _corrected(self, trial: PointEvaluation, step: FloatArray) -> tuple[FloatArray, PointEvaluation]:
         """Second-order correction: the same step with the constraints' values where it ended."""
         try:
@@ -317,14 +339,18 @@ class _Iteration:
         """Of a violation t: rho (t + t^2/2). The square keeps the subproblem strictly convex in the slack."""
         return self.penalty * (violation + 0.5 * violation**2)
 
+    def _linear_violation(self, step: FloatArray) -> float:
+        """Largest violation of the linearised constraints after a step."""
+        point, change = self.point, self.scale * step
+        margins = point.margins + point.margins_jacobian @ change
+        equality = point.equality + point.equality_jacobian @ change
+        return max(0.0, float(-np.min(margins, initial=0.0)), float(np.max(np.abs(equality), initial=0.0)))
+
     def _model(self, step: FloatArray) -> float:
-        point, scale = self.point, self.scale
-        margins = point.margins + (point.margins_jacobian * scale) @ step
-        equality = point.equality + (point.equality_jacobian * scale) @ step
-        violation = max(0.0, float(-np.min(margins, initial=0.0)), float(np.max(np.abs(equality), initial=0.0)))
-        gradient = self.settings.cost_scale * point.cost_gradient * scale
+        gradient = self.settings.cost_scale * self.point.cost_gradient * self.scale
         quadratic = gradient @ step + 0.5 * step @ self.hessian @ step
-        return float(self.settings.cost_scale * point.cost + quadratic + self._price(violation))
+        price = self._price(self._linear_violation(step))
+        return float(self.settings.cost_scale * self.point.cost + quadratic + price)
 
     def _gauss_newton(self) -> FloatArray:
         R = self.point.residual_jacobian * self.scale
@@ -335,9 +361,7 @@ class _Iteration:
 
         def gradient(point: PointEvaluation) -> FloatArray:
             lagrangian = self.settings.cost_scale * point.cost_gradient
-            lagrangian = (
-                lagrangian - price.margins @ point.margins_jacobian - price.equality @ point.equality_jacobian
-            )
+            lagrangian = lagrangian - price.margins @ point.margins_jacobian - price.equality @ point.equality_jacobian
             return lagrangian * self.scale
 
         change = gradient(trial) - gradient(self.point)
