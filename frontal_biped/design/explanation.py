@@ -7,12 +7,11 @@ relaxed alone must therefore give way by t / w_i, to first order. The estimate i
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from frontal_biped.arrays import FloatArray
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.design.specification import GaitSpecification
 from frontal_biped.design.trust_region_sqp import SqpResult
@@ -165,11 +164,11 @@ def _changed(specification: GaitSpecification, biped: FrontalBiped, key: str, am
     digit = 10.0 ** (np.floor(np.log10(max(abs(new), 1e-6))) - 2.0)
     new = float(np.ceil(new / digit) * digit if looser > 0.0 else np.floor(new / digit) * digit)
     new = float(f"{new:.6g}")
+    table = specification.as_dict()
     if index is None:
-        return replace(specification, **{name: new})
-    values: FloatArray | tuple[float, ...] = getattr(specification, name)
-    if values is None:
-        values = biped.max_torque
-    parts = [float(value) for value in values]
-    parts[index] = new
-    return replace(specification, **{name: tuple(parts)})
+        table[name] = new
+    else:
+        parts = [float(value) for value in table.get(name, biped.max_torque)]
+        parts[index] = new
+        table[name] = parts
+    return GaitSpecification.from_dict(table)

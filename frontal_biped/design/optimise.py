@@ -74,6 +74,7 @@ def design_gait(
     *,
     start: Gait | FloatArray | None = None,
     attempts: int = 1,
+    fall_back: bool = True,
     on_progress: Progress | None = None,
 ) -> DesignResult:
     """Minimise J under C01 to C09.
@@ -81,10 +82,10 @@ def design_gait(
     Args:
         biped: the robot.
         specification: the bounds; default: `default_specification`, what the robot's description asks for.
-        start: a gait, or (P,) variables of `DesignProblem`, to start from; where that leads nowhere, and by default,
-            the problem's own start.
+        start: a gait, or (P,) variables of `DesignProblem`, to start from; default: the problem's own start.
         attempts: designs from as many starts, the further ones drawn at random (``seed`` of the specification) around
             the default; the cheapest gait is kept.
+        fall_back: where a given start leads nowhere, try the problem's own start as well.
         on_progress: called with iteration, J [N^2 m s] and largest scaled violation.
 
     Returns:
@@ -106,7 +107,7 @@ def design_gait(
     design = _Design(biped, spec, on_progress)
     candidates: list[_Candidate] = []
     for number, x in enumerate(_starts(design.problem, spec, start, attempts)):
-        if number >= attempts and any(candidate.good for candidate in candidates):
+        if number >= attempts and (not fall_back or any(candidate.good for candidate in candidates)):
             break  # the default start only stands in for a start that led nowhere
         candidates.append(design.run(x))
     best = min(candidates, key=lambda candidate: (not candidate.good, candidate.figure))
