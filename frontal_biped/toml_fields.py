@@ -9,7 +9,6 @@ from typing import Any
 
 from frontal_biped.exceptions import FrontalBipedError
 
-
 MAX_TOML_BYTES = 1_000_000  # a description or specification has a few thousand
 
 

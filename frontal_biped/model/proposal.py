@@ -179,7 +179,8 @@ def _try(
 
 def _gait(hip_width: float) -> dict[str, Any]:
     return {
-        "degree": 6,
+        "degree": 8,
+        "fri_degree": 4,
         "swing_clearance": 0.008,
         "step_duration": [0.3, 0.8],
         "step_width": [round(0.8 * hip_width, 4), round(1.8 * hip_width, 4)],

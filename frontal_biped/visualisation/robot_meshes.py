@@ -15,6 +15,9 @@ IntArray = npt.NDArray[np.int64]
 MOST_TRIANGLES = 40_000
 """Of a whole robot; with their normals about 2 MB of page."""
 
+CELLS_ACROSS = 12
+"""At least, of the longest side of each mesh: fingers stay fingers."""
+
 CREASE = np.radians(35.0)
 """Edges sharper than this stay edges; smoother ones are shaded round."""
 
@@ -23,14 +26,15 @@ PLAIN = (0.78, 0.80, 0.83, 1.0)
 
 
 def light_meshes(shapes: pin.GeometryModel) -> Iterator[tuple[pin.GeometryObject, FloatArray, IntArray]]:
-    """Meshes of a robot, their vertices (n, 3) merged within cells of one size until all triangles (k, 3) are few."""
+    """Meshes of a robot, their vertices (n, 3) merged within cells until all triangles (k, 3) are few."""
     meshes = [shape for shape in shapes.geometryObjects if is_mesh(shape)]
     read = [(mesh_vertices(shape), _triangles(shape)) for shape in meshes]
     cell = 1e-4  # [m], a tenth of a millimetre welds what belongs together
     light = [merge_vertices(*mesh, cell) for mesh in read]
-    while sum(len(faces) for _, faces in light) > MOST_TRIANGLES:
+    largest = [np.ptp(vertices, axis=0).max(initial=0.0) / CELLS_ACROSS for vertices, _ in light]
+    while sum(len(faces) for _, faces in light) > MOST_TRIANGLES and cell < max(largest):
         cell *= 1.25
-        light = [merge_vertices(*mesh, cell) for mesh in light]
+        light = [merge_vertices(*mesh, min(cell, limit)) for mesh, limit in zip(light, largest, strict=True)]
     for shape, (vertices, faces) in zip(meshes, light, strict=True):
         yield shape, vertices, faces
 
@@ -54,7 +58,7 @@ def merge_vertices(vertices: FloatArray, faces: IntArray, cell: float) -> tuple[
     if not len(faces):
         return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
     _, cell_of, count = np.unique(
-        _one_number(np.floor(vertices / cell).astype(np.int64)), return_inverse=True, return_counts=True
+        _one_number(np.round(vertices / cell).astype(np.int64)), return_inverse=True, return_counts=True
     )
     mean = np.stack([np.bincount(cell_of, weights=vertices[:, i]) for i in range(3)], axis=1) / count[:, None]
     merged = cell_of[faces]

@@ -46,7 +46,9 @@ def test_what_cannot_be_decided_is_said(tmp_path, capsys):
     urdf = load_robot("simple_humanoid_classical").description.urdf
     out = tmp_path / "toy.toml"
     assert main(["robots", "--describe", str(urdf), "-o", str(out)]) == 1
-    assert "not decided: sole: the foot has neither collision nor visual shapes; measure inner" in capsys.readouterr().err
+    assert (
+        "not decided: sole: the foot has neither collision nor visual shapes; measure inner" in capsys.readouterr().err
+    )
     text = out.read_text(encoding="utf-8")
     assert "# NOT DECIDED: sole" in text
     with pytest.raises(HypothesisError, match=r"\[sole\] inner is missing"):
