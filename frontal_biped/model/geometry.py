@@ -3,10 +3,13 @@
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
+
+IntArray = npt.NDArray[np.int64]
 
 
 def build_shapes(model: pin.Model, urdf: Path, urdf_text: str, kind: pin.GeometryType) -> pin.GeometryModel:
@@ -61,6 +64,16 @@ def mesh_vertices(shape: pin.GeometryObject) -> FloatArray:
     if path.suffix.lower() == ".dae" and _up_axis(path) == "Y_UP":
         vertices = np.stack([vertices[:, 0], -vertices[:, 2], vertices[:, 1]], axis=1)
     return vertices
+
+
+def mesh_triangles(shape: pin.GeometryObject) -> IntArray:
+    """(k, 3) indices of the vertices of each triangle of a mesh."""
+    geometry = shape.geometry
+    found = np.empty((geometry.num_tris, 3), dtype=np.int64)
+    for i in range(geometry.num_tris):
+        triangle = geometry.tri_indices(i)
+        found[i] = triangle[0], triangle[1], triangle[2]
+    return found
 
 
 def _up_axis(path: Path) -> str:

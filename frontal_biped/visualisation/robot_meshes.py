@@ -4,13 +4,10 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.model.geometry import mesh_vertices
-
-IntArray = npt.NDArray[np.int64]
+from frontal_biped.model.geometry import IntArray, mesh_triangles, mesh_vertices
 
 MOST_TRIANGLES = 40_000
 """Of a whole robot; with their normals about 2 MB of page."""
@@ -28,7 +25,7 @@ PLAIN = (0.78, 0.80, 0.83, 1.0)
 def light_meshes(shapes: pin.GeometryModel) -> Iterator[tuple[pin.GeometryObject, FloatArray, IntArray]]:
     """Meshes of a robot, their vertices (n, 3) merged within cells until all triangles (k, 3) are few."""
     meshes = [shape for shape in shapes.geometryObjects if is_mesh(shape)]
-    read = [(mesh_vertices(shape), _triangles(shape)) for shape in meshes]
+    read = [(mesh_vertices(shape), mesh_triangles(shape)) for shape in meshes]
     cell = 1e-4  # [m], a tenth of a millimetre welds what belongs together
     light = [merge_vertices(*mesh, cell) for mesh in read]
     largest = [np.ptp(vertices, axis=0).max(initial=0.0) / CELLS_ACROSS for vertices, _ in light]
@@ -141,12 +138,3 @@ def _colour(shape: pin.GeometryObject) -> tuple[float, float, float, float]:
     red, green, blue, opacity = (float(np.clip(part, 0.0, 1.0)) for part in shape.meshColor)
     painted = shape.overrideMaterial and max(red, green, blue) > 0.0  # black all over is what exporters write for none
     return (red, green, blue, opacity) if painted else PLAIN
-
-
-def _triangles(shape: pin.GeometryObject) -> IntArray:
-    geometry = shape.geometry
-    found = np.empty((geometry.num_tris, 3), dtype=np.int64)
-    for i in range(geometry.num_tris):
-        triangle = geometry.tri_indices(i)
-        found[i] = triangle[0], triangle[1], triangle[2]
-    return found

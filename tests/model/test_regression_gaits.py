@@ -16,8 +16,8 @@ from frontal_biped.zero_dynamics import TORQUES
 HUMANOIDS = ("alexander", "g1", "human", "icub", "romeo", "simple_humanoid_classical", "talos_full")
 
 COST_BOUNDS = {"romeo": 206.0, "g1": 270.0, "icub": 80.0}
-"""J [N^2 m s] that an independent optimiser reached without joint limits, for step durations of 0.3 to 0.8 s, step widths
-of 0.8 to 1.8 hip widths, 8 mm of clearance and 10 degrees of pelvis roll."""
+"""J [N^2 m s] that an independent optimiser reached without joint limits, for step durations of 0.3 to 0.8 s, step
+widths of 0.8 to 1.8 hip widths, 8 mm of clearance and 10 degrees of pelvis roll."""
 
 TALOS_BOUND = 515.0
 """The same for talos_full, without the reflected inertia of its rotors, which its URDF does not tell."""

@@ -1,4 +1,4 @@
-"""Malformed and unsuitable robots, through the command line: one line with cause and remedy, nothing written, no hang."""
+"""Malformed and unsuitable robots on the command line: one line with cause and remedy, nothing written, no hang."""
 
 import os
 import re
@@ -73,7 +73,7 @@ BAD_DESCRIPTION = {
     "swapped sides": (None, None, "right of the right one", "swap the joint names"),
     "locked name unknown": ("[sole]", "[posture]\nleft_knee = 0.3\n[sole]", "no movable joint 'left_knee'", "movable"),
     "roll joint unknown": ('left_hip = "left_hip"', 'left_hip = "left_hipp"', "'left_hipp'", "did you mean 'left_hip'"),
-    "URDF above the folder": ('"frontal_biped.urdf"', '"../frontal_biped.urdf"', "leaves its folder", "beside the URDF"),
+    "URDF above the folder": ('"frontal_biped.urdf"', '"../a.urdf"', "leaves its folder", "beside the URDF"),
     "absolute URDF": ('"frontal_biped.urdf"', '"/etc/passwd"', "leaves its folder", "beside the URDF"),
     "data above their folder": (
         '"frontal_biped.urdf"', '"example-robot-data:../../../pyvenv.cfg"', "leaves its folder", "without '..'"),
