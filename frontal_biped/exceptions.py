@@ -45,5 +45,9 @@ class ReversalError(FrontalBipedError):
     """The zero dynamics has no reversal point where one is needed."""
 
 
+class LibraryError(FrontalBipedError):
+    """A gait library that is not there, holds something else, or cannot be built where it was asked for."""
+
+
 class MissingExtraError(FrontalBipedError):
     """An optional dependency is needed; the message names the extra that brings it."""

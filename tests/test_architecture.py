@@ -25,8 +25,9 @@ MAY_IMPORT = {
     "reversal": {"model", "virtual_constraints", "zero_dynamics", "poincare", "gait"},
     "gait": {"model", "virtual_constraints", "zero_dynamics", "poincare"},
     "design": {
-        "model", "quadrature", "quadratic_program", "virtual_constraints", "zero_dynamics", "poincare", "gait",
+        "model", "quadrature", "virtual_constraints", "zero_dynamics", "poincare", "gait", "simulation", "walking",
     },
+    "library": {"model", "design", "gait"},
     "control": {"model", "virtual_constraints", "gait", "quadratic_program"},
     "simulation": {"model", "virtual_constraints", "control"},
 }  # fmt: skip
@@ -40,6 +41,7 @@ ONLY_IN = {
     "matplotlib": {"visualisation"},
     "umsgpack": {"visualisation"},
     "proxsuite": {"quadratic_program"},
+    "distributed": {"library"},
 }
 
 

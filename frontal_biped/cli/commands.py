@@ -4,6 +4,9 @@ import argparse
 import json
 import sys
 from collections.abc import Mapping
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +16,9 @@ from frontal_biped.cli.main import SUCCESS, TASK_FAILED
 from frontal_biped.cli.progress import Progress
 from frontal_biped.design import default_specification, design_gait, read_specification
 from frontal_biped.exceptions import FrontalBipedError, GaitFileError
-from frontal_biped.files import require_parent, write_text
+from frontal_biped.files import require_folder, require_parent, write_text
 from frontal_biped.gait import Gait, gait_from_dict, load_gait, save_gait
+from frontal_biped.library import build_library, dask_executor, read_sweep, worker_processes
 from frontal_biped.model import FrontalBiped, load_robot
 from frontal_biped.simulation import Trajectory, load_trajectory, save_trajectory
 from frontal_biped.walking import simulate
@@ -42,7 +46,8 @@ def run_design(arguments: argparse.Namespace) -> int:
         def show(iteration: int, cost: float, violation: float) -> None:
             progress.update(f"iteration {iteration}, J = {cost:.3f} N^2 m s, violation {violation:.1e}")
 
-        result = design_gait(biped, specification, on_progress=show)
+        start = None if arguments.start is None else load_gait(arguments.start)
+        result = design_gait(biped, specification, start=start, attempts=arguments.attempts, on_progress=show)
     if result.gait is None:
         sys.stderr.write(f"frontal-biped: no gait: {biped.name}: {result.message}\n")
         return TASK_FAILED
@@ -61,6 +66,38 @@ def run_design(arguments: argparse.Namespace) -> int:
     effort = f"{result.iterations} iterations, {result.evaluations} evaluations, {result.seconds:.2f} s"
     _emit(arguments, table, f"{result.report}\n\n{biped.name}: {result.message}\n{effort}; {saved}")
     return SUCCESS
+
+
+def run_library(arguments: argparse.Namespace) -> int:
+    """`frontal-biped library`."""
+    sweep = read_sweep(arguments.sweep)
+    require_folder(arguments.output)
+    points = len(sweep.points())
+    with Progress("designing: gait", points) as progress, _executor(arguments) as executor:
+        before: list[int] = []
+
+        def show(done: int, total: int, seconds: float) -> None:
+            before.append(done)
+            rate = (done - before[0]) / seconds if seconds > 0.0 else 0.0
+            left = f"{rate:.2f} a second, about {(total - done) / rate:.0f} s to go" if rate > 0.0 else ""
+            progress.update(left, done)
+
+        report = build_library(sweep, arguments.output, executor, show)
+    table = {**asdict(report), "index": str(report.index), "gaits_per_second": report.gaits_per_second}
+    earlier = f", {report.found} of them by an earlier run" if report.found else ""
+    _emit(
+        arguments,
+        table,
+        f"{report.points} points{earlier}: {report.gaits} gaits, {report.failures} without one\n"
+        f"{report.seconds:.1f} s, {report.gaits_per_second:.2f} points a second; table in {report.index}",
+    )
+    return SUCCESS
+
+
+def _executor(arguments: argparse.Namespace) -> AbstractContextManager[Executor | None]:
+    if arguments.dask is not None:
+        return dask_executor(arguments.dask)
+    return worker_processes(arguments.jobs) if arguments.jobs > 1 else nullcontext()
 
 
 def run_analyze(arguments: argparse.Namespace) -> int:

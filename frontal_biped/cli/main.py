@@ -103,9 +103,30 @@ def _parser() -> argparse.ArgumentParser:
     )
     add_robot(design, "frontal_biped")
     design.add_argument("--spec", metavar="S.toml", type=Path, help="gait specification; default: what suits the robot")
+    design.add_argument("--start", metavar="G.json", type=Path, help="gait to start from; default: a swayed stand")
+    design.add_argument(
+        "--attempts",
+        metavar="N",
+        type=_positive_int,
+        default=1,
+        help="designs from as many starts, random but the first; the cheapest gait is kept; default: 1",
+    )
     design.add_argument("-o", "--output", metavar="G.json", type=Path, help="gait file to write")
     add_json(design)
     design.set_defaults(run=_Run("design"))
+
+    library = add(
+        "library",
+        "Design a gait for every point of a grid of specifications; run it again to resume one that was interrupted.",
+        "frontal-biped library sweep.toml -o gaits --jobs 2",
+    )
+    library.add_argument("sweep", metavar="SWEEP.toml", type=Path, help="robots, shared keys and axes of the grid")
+    library.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="folder of the library")
+    where = library.add_mutually_exclusive_group()
+    where.add_argument("--jobs", metavar="N", type=_positive_int, default=1, help="worker processes; default: 1")
+    where.add_argument("--dask", metavar="ADDRESS", help="address of a Dask scheduler instead, tcp://host:8786")
+    add_json(library)
+    library.set_defaults(run=_Run("library"))
 
     analyze = add(
         "analyze",

@@ -11,13 +11,17 @@ interior or proximal method there is no tolerance: equal input gives equal digit
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_factor, cho_solve, solve_triangular
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.optimize import nnls
 
 from frontal_biped.arrays import FloatArray
 
 SWEEPS = 20
 """Iterations of the active-set method per constraint at which it is given up; it needs less than one."""
+
+
+SINGLE_THREAD = 100_000
+"""Multiplications below which BLAS keeps to one thread; OpenBLAS shares a product out from 262144 on."""
 
 
 class LeastDistance(NamedTuple):
@@ -60,9 +64,10 @@ def solve_least_distance(H: FloatArray, g: FloatArray, C: FloatArray, c: FloatAr
         L = np.linalg.cholesky(H)
     except np.linalg.LinAlgError as error:
         raise IndefiniteError("H is not positive definite") from error
-    g_y = solve_triangular(L, g, lower=True, check_finite=False)
-    G = solve_triangular(L, C.T, lower=True, check_finite=False)  # (n, k), one column a constraint
-    h = c + g_y @ G
+    inverse = np.linalg.inv(L)
+    g_y = inverse @ g
+    G = _product(inverse, C.T)  # (n, k), one column a constraint
+    h = c + C @ (inverse.T @ g_y)
     E = np.vstack([G, h])
     target = np.zeros(len(E))
     target[-1] = 1.0
@@ -75,7 +80,14 @@ def solve_least_distance(H: FloatArray, g: FloatArray, C: FloatArray, c: FloatAr
         raise NoFeasiblePointError("the inequalities contradict each other")
     multipliers = _polished(G, h, weights / inside)
     y = G @ multipliers
-    return LeastDistance(solve_triangular(L, y - g_y, lower=True, trans="T", check_finite=False), multipliers)
+    return LeastDistance(inverse.T @ (y - g_y), multipliers)
+
+
+def _product(A: FloatArray, B: FloatArray) -> FloatArray:
+    """A @ B in pieces too small for BLAS to share out among threads: the digits must not depend on their number."""
+    size = max(1, SINGLE_THREAD // max(A.size, 1))
+    pieces = [A @ B[:, begin : begin + size] for begin in range(0, B.shape[1], size)]
+    return np.concatenate(pieces, axis=1) if pieces else np.zeros((len(A), 0))
 
 
 def _polished(G: FloatArray, h: FloatArray, multipliers: FloatArray) -> FloatArray:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.design.closing import ClosedStep, close_step
 from frontal_biped.design.explanation import Conflict, Remedy, conflicts, remedy
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.design.report import ConstraintReport, check_constraints
@@ -15,19 +16,14 @@ from frontal_biped.design.specification import GaitSpecification, default_specif
 from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, minimise
 from frontal_biped.design.verification import RETURN_TOLERANCE, Verification, verify
 from frontal_biped.exceptions import ReversalError, SpecificationError, UnreachablePoseError
-from frontal_biped.gait import Gait, RobotReference, converged_nodes, orbit_numbers
+from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.poincare import StepOrbit, step_orbit
 from frontal_biped.provenance import software_versions
-from frontal_biped.virtual_constraints.invariance import complete
-from frontal_biped.virtual_constraints.phase import Phase
 
 OPTIMISER_NODES = 16
 """Quadrature nodes a phase in the optimiser: about 1e-7 in J; the result is integrated again until 1e-11."""
 
 TIGHTENING_ROUNDS = 4
-NEWTON_STEPS = 6  # on the periodicity equation; quadratic, from about 1e-8
-CLOSED = 1e-14  # scaled periodicity defect at which they stop: rounding
 SAFETY = 1e-7  # every scaled constraint keeps this distance in the optimiser, against its own tolerance
 RESIDUAL_TOLERANCE = 1e-9
 SPREAD = 0.5
@@ -141,8 +137,7 @@ class _Candidate(NamedTuple):
     x: FloatArray
     result: SqpResult
     problem: DesignProblem
-    phases: tuple[Phase, Phase] | None
-    step: StepOrbit | None
+    closed: ClosedStep | None
     report: ConstraintReport | None
     obstacle: str
 
@@ -175,19 +170,15 @@ class _Design:
             self.evaluations += result.evaluations
             x = result.x
             try:
-                phases = complete(self.biped, problem.unpack(x))
-                nodes = converged_nodes(self.biped, *phases, float(x[2]))
+                closed = close_step(problem, x, newton=result.feasible)
             except (ReversalError, UnreachablePoseError) as error:
-                return _Candidate(x, result, problem, None, None, None, str(error))
-            if result.feasible:
-                x = _close_orbit(DesignProblem(self.biped, self.spec, nodes), x)
-                phases = complete(self.biped, problem.unpack(x))
-            step = step_orbit(self.biped, *phases, float(x[2]), nodes)
-            report = check_constraints(self.biped, self.spec, *phases, step)
+                return _Candidate(x, result, problem, None, None, str(error))
+            x = closed.x
+            report = check_constraints(self.biped, self.spec, *closed.phases, closed.step)
             if report.satisfied or not result.feasible:
                 break
             problem.tighten({(check.code, check.name): -check.margin / check.scale for check in report.violated})
-        return _Candidate(x, result, problem, phases, step, report, "")
+        return _Candidate(x, result, problem, closed, report, "")
 
     def _progress(self) -> Progress | None:
         on_progress, done = self.on_progress, self.iterations
@@ -197,17 +188,14 @@ class _Design:
 
     def conclude(self, candidate: _Candidate) -> DesignResult:
         """Residuals and a simulated step decide whether the candidate is a gait."""
-        biped, step = self.biped, candidate.step
-        assert candidate.phases is not None and step is not None
-        reference = RobotReference(biped.name, biped.path.name, biped.fingerprint)
-        width = float(candidate.x[2])
-        gait = Gait(reference, *candidate.phases, width, orbit_numbers(biped, step), self.spec.as_dict())
-        residuals = gait.residuals(biped, step)
+        assert candidate.closed is not None
+        gait = candidate.closed.gait(self.problem)
+        residuals = gait.residuals(self.biped, candidate.closed.step)
         name = max(residuals, key=lambda key: residuals[key])
         if residuals[name] > RESIDUAL_TOLERANCE:
             bound = f"{residuals[name]:.2g}, above {RESIDUAL_TOLERANCE:g}"
             return self._result(None, candidate, f"the gait's residual {name} is {bound}; try another degree")
-        verification = verify(biped, gait)
+        verification = verify(self.biped, gait)
         if not verification.passed:
             seen = f"outcome {verification.outcome}, return error {verification.return_error:.2g}"
             message = f"a simulated step of the candidate does not return within {RETURN_TOLERANCE:g}: {seen}"
@@ -261,21 +249,6 @@ class _Design:
             0.0,
             verification=verification,
         )
-
-
-def _close_orbit(problem: DesignProblem, x: FloatArray) -> FloatArray:
-    """Newton steps of least length on the equalities of a problem on nodes enough for full accuracy."""
-    low, high = problem.bounds()
-    for _ in range(NEWTON_STEPS):
-        point = problem.evaluate(x)
-        if np.max(np.abs(point.equality)) < CLOSED:
-            break
-        # variables on or next to their bounds stay where they are
-        room = np.minimum(x - low, high - x)
-        scale = np.where(room > 1e-6 * problem.scale(), problem.scale(), 0.0)
-        rows = point.equality_jacobian * scale
-        x = np.clip(x - scale * np.linalg.lstsq(rows, point.equality, rcond=None)[0], low, high)
-    return x
 
 
 def _nearest(candidate: _Candidate) -> str:

@@ -384,7 +384,8 @@ def _of_degree(coefficients: FloatArray, degree: int) -> FloatArray:
         return elevate(coefficients, degree)
     s = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 4 * coefficients.shape[-1]))
     values = bernstein(coefficients.shape[-1] - 1, s) @ coefficients.T
-    return np.linalg.lstsq(bernstein(degree, s), values, rcond=None)[0].T
+    fitted: FloatArray = np.linalg.lstsq(bernstein(degree, s), values, rcond=None)[0].T
+    return fitted
 
 
 def _symmetric_stance(biped: FrontalBiped, step_width: float) -> float:

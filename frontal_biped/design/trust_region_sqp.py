@@ -354,7 +354,8 @@ class _Iteration:
 
     def _gauss_newton(self) -> FloatArray:
         R = self.point.residual_jacobian * self.scale
-        return 2.0 * self.settings.cost_scale * R.T @ R + 1e-6 * np.eye(len(self.x))
+        # einsum, not a BLAS product: the digits must not depend on the number of threads
+        return 2.0 * self.settings.cost_scale * np.einsum("ri,rj->ij", R, R) + 1e-6 * np.eye(len(self.x))
 
     def _update_hessian(self, step: FloatArray, trial: PointEvaluation, price: Multipliers) -> None:
         """Powell's damped BFGS update with the multipliers of the quadratic program."""

@@ -1,0 +1,184 @@
+"""Design every gait of a grid, on any executor, so that the work can be killed and taken up again.
+
+A batch is a run of neighbours: every gait starts from the last one found in it, as it stands in its file. What a batch
+yields therefore depends on the batch alone, not on the executor, the number of workers or the interruptions.
+"""
+
+import contextlib
+import multiprocessing
+import multiprocessing.connection
+import os
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from frontal_biped.design.optimise import design_gait
+from frontal_biped.exceptions import FrontalBipedError, LibraryError, MissingExtraError
+from frontal_biped.library.store import LibraryStore
+from frontal_biped.library.sweep import GridPoint, Sweep
+from frontal_biped.model import FrontalBiped, load_robot
+
+POLL = 0.5  # [s] between two looks at what has been finished
+
+Progress = Callable[[int, int, float], None]
+
+
+@dataclass(frozen=True)
+class LibraryReport:
+    """What a run of the builder did.
+
+    Attributes:
+        index: the table of the library.
+        points: size of the grid.
+        gaits: points that have a gait.
+        failures: points that have none.
+        found: points that an earlier run had finished.
+        seconds: wall time of this run.
+    """
+
+    index: Path
+    points: int
+    gaits: int
+    failures: int
+    found: int
+    seconds: float
+
+    @property
+    def gaits_per_second(self) -> float:
+        """Points finished by this run per second of wall time."""
+        return (self.points - self.found) / self.seconds if self.seconds > 0.0 else 0.0
+
+
+def build_library(
+    sweep: Sweep, folder: Path, executor: Executor | None = None, on_progress: Progress | None = None
+) -> LibraryReport:
+    """Design what is still missing, and write the index.
+
+    Args:
+        sweep: the grid.
+        folder: of the library, on a file system that the workers share.
+        executor: any `concurrent.futures.Executor`: `worker_processes`, Dask's ``Client().get_executor()``,
+            ``mpi4py.futures.MPIPoolExecutor``; default: one gait after another in this process.
+        on_progress: called with points finished, points in all, and seconds since the start.
+
+    Returns:
+        What was done.
+
+    Raises:
+        LibraryError: the folder holds a library of another grid.
+        RobotError: a robot of the grid cannot be loaded.
+    """
+    began = time.perf_counter()
+    for robot in sweep.robots:
+        _robot(robot)
+    store = LibraryStore(folder)
+    store.open_for(sweep)
+    points, batches = sweep.points(), sweep.batches()
+    found = sum(store.finished(point.number) for point in points)
+
+    def show() -> None:
+        if on_progress is not None:
+            on_progress(store.count_finished(), len(points), time.perf_counter() - began)
+
+    show()
+    open_batches = [batch for batch in batches if not all(store.finished(point.number) for point in batch)]
+    if executor is None:
+        for batch in open_batches:
+            design_batch(folder, batch, show)
+    else:
+        _spread(executor, folder, open_batches, show)
+    index = store.write_index(sweep)
+    gaits = sum(store.gait_path(point.number).is_file() for point in points)
+    seconds = time.perf_counter() - began
+    return LibraryReport(index, len(points), gaits, len(points) - gaits, found, seconds)
+
+
+def _spread(executor: Executor, folder: Path, batches: list[tuple[GridPoint, ...]], show: Callable[[], None]) -> None:
+    waiting: set[Future[int]] = {executor.submit(design_batch, folder, batch) for batch in batches}
+    try:
+        while waiting:
+            done, waiting = wait(waiting, timeout=POLL, return_when=FIRST_COMPLETED)
+            for future in done:
+                future.result()
+            show()
+    except BaseException:
+        for future in waiting:
+            future.cancel()
+        raise
+
+
+def design_batch(folder: Path, batch: tuple[GridPoint, ...], on_point: Callable[[], None] | None = None) -> int:
+    """Design the points of one batch that are not finished yet; what a worker runs.
+
+    Args:
+        folder: of the library.
+        batch: neighbours in the grid.
+        on_point: called after every point.
+
+    Returns:
+        Number of points designed.
+    """
+    store = LibraryStore(folder)
+    designed = 0
+    for i, point in enumerate(batch):
+        if store.finished(point.number):
+            continue
+        start = next((gait for before in reversed(batch[:i]) if (gait := store.gait(before.number)) is not None), None)
+        try:
+            result = design_gait(_robot(point.robot), point.specification, start=start)
+            store.save(point, result.gait, result.message)
+        except FrontalBipedError as error:  # a point without a pose to start from must not end the batch
+            store.save(point, None, str(error))
+        designed += 1
+        if on_point is not None:
+            on_point()
+    return designed
+
+
+@lru_cache(maxsize=8)
+def _robot(name: str) -> FrontalBiped:
+    return load_robot(name)
+
+
+def worker_processes(count: int) -> ProcessPoolExecutor:
+    """Executor of local processes, each on one thread; they end with the process that started them, however it ends."""
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # inherited: the matrices are too small for a second thread
+    return ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"), initializer=_end_with_parent)
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+
+    def watch() -> None:
+        if parent is not None:
+            multiprocessing.connection.wait([parent.sentinel])
+            os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+@contextlib.contextmanager
+def dask_executor(address: str) -> Iterator[Executor]:
+    """Executor of a running Dask cluster.
+
+    Args:
+        address: of the scheduler, for example ``tcp://host:8786``.
+
+    Raises:
+        MissingExtraError: Dask is not installed.
+        LibraryError: no scheduler answers.
+    """
+    try:
+        from distributed import Client
+    except ImportError:
+        raise MissingExtraError("--dask needs Dask; install it with pip install 'frontal-biped[dask]'") from None
+    try:
+        client = Client(address, timeout="10s")
+    except (OSError, ValueError, TimeoutError) as error:
+        raise LibraryError(f"{address}: no Dask scheduler answers ({error}); start one with `dask scheduler`") from None
+    with client:
+        yield client.get_executor()
