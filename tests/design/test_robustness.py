@@ -51,8 +51,9 @@ def test_energy_margin_against_the_integrated_barrier(biped, gait):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("key", "bound", "sign"), [("max_multiplier", 0.72, -1), ("min_energy_margin", 1.0, 1), ("max_reversal_shift", 1e-3, -1)]
-)  # fmt: skip
+    ("key", "bound", "sign"),
+    [("max_multiplier", 0.72, -1), ("min_energy_margin", 1.0, 1), ("max_reversal_shift", 1e-3, -1)],
+)
 def test_bounds_are_kept_and_cost_something(biped, reference_design, key, bound, sign):
     result = design_gait(biped, GaitSpecification(**{key: bound}))
     assert result.success, result.message
