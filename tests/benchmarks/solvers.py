@@ -67,17 +67,17 @@ class _OutOfTime(Exception):  # noqa: N818 - a signal, not an error
 
 
 @dataclass
-class _Values:
+class Values:
     cost: float
     equality: FloatArray
     margins: FloatArray
 
 
-def _guarded(values: _Values) -> _Values:
+def _guarded(values: Values) -> Values:
     """Finite numbers everywhere, a cost that is never below zero."""
     cost = min(values.cost, DEAR) if values.cost > 0.0 else DEAR
     equality = np.clip(np.nan_to_num(values.equality, nan=FAR), -FAR, FAR)
-    return _Values(cost, equality, np.clip(np.nan_to_num(values.margins, nan=-FAR), -FAR, FAR))
+    return Values(cost, equality, np.clip(np.nan_to_num(values.margins, nan=-FAR), -FAR, FAR))
 
 
 class ScaledProblem:
@@ -108,7 +108,7 @@ class ScaledProblem:
         self._at: FloatArray | None = None
         self._point: Evaluation | None = None
         self._plain_at: FloatArray | None = None
-        self._plain: _Values | None = None
+        self._plain: Values | None = None
         self.iterate, self.iterations = np.zeros(self.size), 0
 
     def _count(self) -> None:
@@ -154,23 +154,24 @@ class ScaledProblem:
         return self.point(y).margins_jacobian * self.unit
 
     # ------------------------------------------------------------------ values alone, for finite differences
-    def values(self, y: FloatArray) -> _Values:
+    def values(self, y: FloatArray) -> Values:
         """J, equality and margins at y (P,), without derivatives, through the package's public functions."""
         if self._plain_at is None or not np.array_equal(y, self._plain_at):
             self._count()
             self._plain_at = np.array(y, dtype=float)
             with np.errstate(all="ignore"):
-                self._plain = _guarded(self._values(self.x(y)))
+                self._plain = _guarded(self.values_at(self.x(y)))
         assert self._plain is not None
         return self._plain
 
-    def _values(self, x: FloatArray) -> _Values:
+    def values_at(self, x: FloatArray) -> Values:
+        """J, equality and margins at x (P,), without derivatives; nan where there is no step."""
         width = float(x[2])
         try:
             rising, falling = complete(self.biped, self.problem.unpack(x))
             step = step_orbit(self.biped, rising, falling, width, OPTIMISER_NODES)
         except (ReversalError, UnreachablePoseError):
-            return _Values(np.nan, np.full(self.equalities, np.nan), np.full(self.inequalities, np.nan))
+            return Values(np.nan, np.full(self.equalities, np.nan), np.full(self.inequalities, np.nan))
         periodicity, z = step.periodicity, (step.rising.z, step.falling.z)
         step = step._replace(rising=_floored(step.rising), falling=_floored(step.falling))
         soles = SoleHeights(*(self._soles(orbit) for orbit in (step.rising, step.falling)))
@@ -180,7 +181,7 @@ class ScaledProblem:
                 sides = constraint.sides()
                 margins += [sign * (constraint.values - bound) / constraint.scale for bound, sign in sides]
         margins += [(part - FLOOR_Z) / 10.0 for part in z]
-        return _Values(step.cost, np.array([periodicity / 0.1]), np.concatenate(margins))
+        return Values(step.cost, np.array([periodicity / 0.1]), np.concatenate(margins))
 
     def _soles(self, orbit: PhaseOrbit) -> FloatArray:
         return np.array([self.biped.swing_sole(q)[:, 1] for q in orbit.motion.q]).T
@@ -227,9 +228,9 @@ def package_sqp(scaled: ScaledProblem) -> tuple[FloatArray, int, str]:
 def slsqp(scaled: ScaledProblem, iterations: int = 500) -> tuple[FloatArray, int, str]:
     """SciPy SLSQP with the package's exact gradients."""
 
-    def values(y: FloatArray) -> _Values:
+    def values(y: FloatArray) -> Values:
         point = scaled.point(y)
-        return _guarded(_Values(point.cost, point.equality, point.margins))
+        return _guarded(Values(point.cost, point.equality, point.margins))
 
     constraints = [
         {
