@@ -5,9 +5,9 @@
 
 Starts: the default one with every free Bezier coefficient of the joints moved by up to 0.1 rad, beta_r- by up to
 0.03 rad and the step width anywhere in its bounds, uniformly. Each is restored (`DesignProblem.restored`) and optimised
-(`minimise`) once; and, for comparison, optimised without restoration. Its answer counts as a gait if the optimiser calls it feasible and 40 quadrature nodes a phase, not
-the optimiser's 16, confirm a stable periodic orbit; violations between the optimiser's nodes, which `design_gait`
-removes by tightening, are listed.
+(`minimise`) once; and, for comparison, optimised without restoration. Its answer counts as a gait if the optimiser
+calls it feasible and 40 quadrature nodes a phase, not the optimiser's 16, confirm a stable periodic orbit; violations
+between the optimiser's nodes, which `design_gait` removes by tightening, are listed.
 
 Specifications: friction, step duration, step width, pelvis roll, clearance and degrees at random, through
 `design_gait`. Each must end in a verified gait or in an explanation whose remedy leaves a gait: the remedy is
