@@ -102,8 +102,9 @@ def run_start(
     x = problem.restored(drawn) if restore else drawn
     try:
         result = minimise(problem.evaluate, x, low, high, problem.scale(), SqpSettings())
-    except UnreachablePoseError as error:  # at the start itself
-        return StartOutcome(number, 0.0, 0.0, False, str(error), *[float("nan")] * 3, 0, 0, 0.0)
+    except (UnreachablePoseError, ValueError) as error:  # the formulas have no value at the start itself
+        message = f"raised {type(error).__name__}: {error}"
+        return StartOutcome(number, 0.0, 0.0, False, message, *[float("nan")] * 3, 0, 0, 0.0)
     seconds = time.process_time() - began
     default = problem.start()
     kept = float(np.linalg.norm(x - default) / np.linalg.norm(drawn - default))
@@ -260,8 +261,9 @@ def main() -> None:
     figures: dict[str, Any] = {"seed": seed}
     with np.errstate(all="ignore"):  # iterates outside the domain are told by their values
         if arguments.starts > 0:
-            for name, specification in SPECIFICATIONS.items():
-                for title, restore in ((name, True), (f"{name}, not restored", False)):
+            for restore in (True, False):
+                for name, specification in SPECIFICATIONS.items():
+                    title = name if restore else f"{name}, not restored"
                     starts = []
                     for number in range(arguments.starts):
                         starts.append(run_start(robot, specification, seed, number, restore))
