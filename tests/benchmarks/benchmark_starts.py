@@ -1,7 +1,7 @@
 """How often a design succeeds: random starts of two specifications, and random specifications.
 
     OMP_NUM_THREADS=1 python tests/benchmarks/benchmark_starts.py [--starts N] [--specifications N] [--seed S]
-                                                                  [--json FILE]
+                                                                  [--peer] [--json FILE]
 
 Starts: the default one with every free Bezier coefficient of the joints moved by up to 0.1 rad, beta_r- by up to
 0.03 rad and the step width anywhere in its bounds, uniformly. Each is restored (`DesignProblem.restored`) and optimised
@@ -11,7 +11,9 @@ between the optimiser's nodes, which `design_gait` removes by tightening, are li
 
 Specifications: friction, step duration, step width, pelvis roll, clearance and degrees at random, through
 `design_gait`. Each must end in a verified gait or in an explanation whose remedy leaves a gait: the remedy is
-followed here, by a design of the relaxed specification. One that ends otherwise is printed in full.
+followed here, by a design of the relaxed specification. One that ends otherwise is printed in full. With ``--peer``
+CasADi and IPOPT (`peer_casadi_ipopt`, needs the extra ``bench``) try every specification as well, from the same start
+and with the highest of its degrees: where they find a gait, it was not the specification that could not be met.
 
 Times are CPU times. 100 starts and 20 specifications take about five minutes.
 """
@@ -19,6 +21,7 @@ Times are CPU times. 100 starts and 20 specifications take about five minutes.
 import argparse
 import time
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -164,6 +167,7 @@ class SpecificationOutcome(NamedTuple):
         cost: J [N^2 m s]; nan without a gait.
         iterations: of the optimiser, explanation included.
         seconds: CPU time, the design of the relaxed specification not included.
+        peer_cost: J of the peer's gait [N^2 m s]; nan where it found none or was not asked.
         specification: as a file would say it.
     """
 
@@ -174,10 +178,26 @@ class SpecificationOutcome(NamedTuple):
     cost: float
     iterations: int
     seconds: float
+    peer_cost: float
     specification: dict[str, Any]
 
 
-def run_specification(robot: FrontalBiped, seed: int, number: int) -> SpecificationOutcome:
+PEER_TOLERANCE = 0.1
+"""Scaled violation between its nodes up to which the peer's answer counts: the package would tighten it away."""
+
+
+def peer_cost(robot: FrontalBiped, specification: fb.GaitSpecification) -> float:
+    """J [N^2 m s] of the gait that the peer finds, or nan."""
+    from peer_casadi_ipopt import Peer
+
+    peer = Peer(robot, replace(specification, degree=max(specification.degrees)))
+    result = peer.solve()
+    if not result.success or peer.package_view(result.x)["violation"] > PEER_TOLERANCE:
+        return float("nan")
+    return result.cost
+
+
+def run_specification(robot: FrontalBiped, seed: int, number: int, peer: bool) -> SpecificationOutcome:
     """Design for one random specification, and follow the remedy if there is one."""
     specification = random_specification(np.random.default_rng([seed, number]), number)
     began = time.process_time()
@@ -195,8 +215,9 @@ def run_specification(robot: FrontalBiped, seed: int, number: int) -> Specificat
         kind = "remedy leaves a gait" if good else f"remedy leaves NO gait: {relaxed.message}"
     else:
         kind, good = ("conflict without a remedy" if result.conflicts else "neither gait nor conflict"), False
+    theirs = peer_cost(robot, specification) if peer else float("nan")
     return SpecificationOutcome(
-        number, kind, good, result.message, cost, result.iterations, seconds, specification.as_dict()
+        number, kind, good, result.message, cost, result.iterations, seconds, theirs, specification.as_dict()
     )
 
 
@@ -240,9 +261,10 @@ def print_specifications(outcomes: list[SpecificationOutcome]) -> None:
     print(f"\n{good} of {len(outcomes)} random specifications end in a verified gait or a remedy that leaves one")
     for kind, count in Counter(outcome.kind.split(":")[0] for outcome in outcomes).items():
         print(f"  {count:3} {kind}")
-    print(f"  {'':4}{'iterations':>12}{'CPU s':>8}{'J':>11}  outcome")
+    print(f"  {'':4}{'iterations':>12}{'CPU s':>8}{'J':>11}{'peer J':>11}  outcome")
     for outcome in outcomes:
-        print(f"  {outcome.number:4}{outcome.iterations:12}{outcome.seconds:8.2f}{outcome.cost:11.2f}  {outcome.kind}")
+        figures = f"{outcome.iterations:12}{outcome.seconds:8.2f}{outcome.cost:11.2f}{outcome.peer_cost:11.2f}"
+        print(f"  {outcome.number:4}{figures}  {outcome.kind}")
         if outcome.kind != "verified gait":
             print(f"       {outcome.specification}")
             print(f"       {outcome.message}")
@@ -252,6 +274,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--starts", type=int, default=100, metavar="N", help="random starts a specification")
     parser.add_argument("--specifications", type=int, default=20, metavar="N", help="random specifications")
+    parser.add_argument("--peer", action="store_true", help="let the peer try the random specifications as well")
     parser.add_argument("--seed", type=int, default=0, metavar="S", help="of everything random")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write every outcome to a file as well")
     arguments = parser.parse_args()
@@ -272,7 +295,7 @@ def main() -> None:
                     figures[title] = print_starts(title, starts)
         specifications = []
         for number in range(arguments.specifications):
-            specifications.append(run_specification(robot, seed, number))
+            specifications.append(run_specification(robot, seed, number, arguments.peer))
             print(f"\r{number + 1} specifications ", end="", flush=True)
         if specifications:
             print_specifications(specifications)
