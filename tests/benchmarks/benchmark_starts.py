@@ -105,7 +105,7 @@ def run_start(
     x = problem.restored(drawn) if restore else drawn
     try:
         result = minimise(problem.evaluate, x, low, high, problem.scale(), SqpSettings())
-    except (UnreachablePoseError, ValueError) as error:  # the formulas have no value at the start itself
+    except (UnreachablePoseError, ValueError, ArithmeticError) as error:  # no values at the start, or overflow
         message = f"raised {type(error).__name__}: {error}"
         return StartOutcome(number, 0.0, 0.0, False, message, *[float("nan")] * 3, 0, 0, 0.0)
     seconds = time.process_time() - began
