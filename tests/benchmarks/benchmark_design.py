@@ -12,7 +12,7 @@ degrees) are designed for from the package's default start by
 
 All times are CPU times. Quote the ratios; the absolute times belong to the machine. A solver reached the optimum if
 its answer, evaluated by the package, violates no scaled constraint by more than 1e-6 and costs at most 0.1 % more than
-the best such answer. The whole run takes about five minutes, ``--quick`` about 20 s.
+the best such answer. The whole run takes about six minutes, ``--quick`` 20 s.
 """
 
 import argparse

@@ -15,7 +15,7 @@ followed here, by a design of the relaxed specification. One that ends otherwise
 CasADi and IPOPT (`peer_casadi_ipopt`, needs the extra ``bench``) try every specification as well, from the same start
 and with the highest of its degrees: where they find a gait, it was not the specification that could not be met.
 
-Times are CPU times. 100 starts and 20 specifications take about six minutes on an idle core, with ``--peer`` eight.
+Times are CPU times. 100 starts and 20 specifications take about five minutes of them, ``--peer`` two more.
 """
 
 import argparse
