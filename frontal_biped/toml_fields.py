@@ -9,16 +9,24 @@ from typing import Any
 
 from frontal_biped.exceptions import FrontalBipedError
 
+MAX_TOML_BYTES = 1_000_000  # a description or specification has a few thousand
+
 
 def load_toml(path: Path, error: type[FrontalBipedError]) -> dict[str, Any]:
     """The tables of a TOML file; raises ``error`` in one line when it is missing or malformed."""
     try:
+        if path.exists() and not path.is_file() and not path.is_dir():
+            raise error(f"{path}: not a file but a device or a pipe; name a .toml file")  # reading would never end
+        if path.is_file() and path.stat().st_size > MAX_TOML_BYTES:
+            raise error(f"{path}: larger than {MAX_TOML_BYTES} bytes; is this a .toml file written for this program?")
         with path.open("rb") as stream:
             return tomllib.load(stream)
     except FileNotFoundError:
         raise error(f"{path}: no such file; check the path") from None
     except IsADirectoryError:
         raise error(f"{path}: a directory; name a .toml file in it") from None
+    except RecursionError:
+        raise error(f"{path}: not valid TOML, its values are nested too deep; mend the file there") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as cause:
         raise error(f"{path}: not valid TOML, {cause}; mend the file there") from None
 

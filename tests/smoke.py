@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from robot_laws import LAWS
+
 import frontal_biped as fb
 from frontal_biped.model import models_dir
 
@@ -12,7 +14,9 @@ names = fb.robot_names()
 assert "frontal_biped" in names, names
 for name in names:
     robot = fb.load_robot(name)
-    print(f"{name}: {robot.mass:.2f} kg")
+    for law in LAWS:
+        law(robot)
+    print(f"{name}: {robot.mass:.2f} kg, {len(LAWS)} laws hold")
 
 result = fb.design_gait(fb.load_robot())
 assert result.success, result.message
@@ -26,6 +30,10 @@ for arguments in (
     ["simulate", "gait.json", "--steps", "2", "-o", "run.npz"],
     ["view", "run.npz", "--html", "page.html"],
     ["plot", "run.npz", "-o", "figures"],
+    ["design", "--robot", "talos_full", "-o", "talos_full.json"],
+    ["view", "talos_full.json", "--html", "talos_full.html"],
+    ["robots", "--describe", str(fb.load_robot("g1").description.urdf), "-o", "my_g1.toml"],
+    ["design", "--robot", "my_g1.toml"],
 ):
     subprocess.run([program, *arguments], check=True, stdout=subprocess.DEVNULL)
     print("frontal-biped", *arguments)

@@ -19,7 +19,7 @@ from frontal_biped.exceptions import FrontalBipedError, GaitFileError
 from frontal_biped.files import require_folder, require_parent, write_text
 from frontal_biped.gait import Gait, gait_from_dict, load_gait, save_gait
 from frontal_biped.library import build_library, dask_executor, read_sweep, worker_processes
-from frontal_biped.model import FrontalBiped, load_robot, robot_names
+from frontal_biped.model import FrontalBiped, load_robot
 from frontal_biped.robustness import robustness_card
 from frontal_biped.simulation import Disturbances, Trajectory, load_trajectory, save_trajectory
 from frontal_biped.walking import simulate
@@ -164,31 +164,12 @@ def run_plot(arguments: argparse.Namespace) -> int:
 
 def run_robots(arguments: argparse.Namespace) -> int:
     """`frontal-biped robots`."""
-    rows: list[dict[str, Any]] = []
-    for name in robot_names():
-        biped = load_robot(name)
-        outer, inner = biped.sole
-        rows.append(
-            {
-                "name": name,
-                "mass": biped.mass,
-                "leg_length": biped.leg_length,
-                "hip_width": biped.hip_width,
-                "sole": [outer, inner],
-                "ankle_height": biped.ankle_height,
-                "ankle_torque": float(biped.max_torque[0]),
-                "hip_torque": float(biped.max_torque[1]),
-                "description": biped.path.name,
-            }
-        )
-    head = f"{'name':26} {'mass':>8} {'leg':>7} {'hips':>7} {'sole':>16} {'ankle':>8} {'hip':>8}"
-    units = f"{'':26} {'kg':>8} {'m':>7} {'m':>7} {'m':>16} {'N m':>8} {'N m':>8}"
-    lines = [
-        f"{r['name']:26} {r['mass']:8.2f} {r['leg_length']:7.3f} {r['hip_width']:7.3f}"
-        f" {r['sole'][0]:+7.3f}..{r['sole'][1]:+.3f} {r['ankle_torque']:8.1f} {r['hip_torque']:8.1f}"
-        for r in rows
-    ]
-    _emit(arguments, {"robots": rows}, "\n".join([head, units, *lines]))
+    from frontal_biped.cli.robots import describe, list_robots
+
+    if arguments.describe is not None or arguments.posture is not None:
+        return describe(arguments)
+    table, text = list_robots()
+    _emit(arguments, table, text)
     return SUCCESS
 
 

@@ -207,7 +207,21 @@ def _parser() -> argparse.ArgumentParser:
     )
     plot.set_defaults(run=_Run("plot"))
 
-    robots = add("robots", "What can be walked.", "frontal-biped robots")
+    robots = add(
+        "robots",
+        "What can be walked; or propose a description for a URDF, or a posture for a description.",
+        "frontal-biped robots --describe my.urdf -o my.toml",
+    )
+    task = robots.add_mutually_exclusive_group()
+    task.add_argument(
+        "--describe", metavar="R.urdf", type=Path, help="propose a description by looking at the joints of a URDF"
+    )
+    task.add_argument(
+        "--posture",
+        metavar="R.toml",
+        help="print a description with a posture at which roll axes are parallel, feet flat and the robot balanced",
+    )
+    robots.add_argument("-o", "--output", metavar="R.toml", type=Path, help="description to write; default: print it")
     add_json(robots)
     robots.set_defaults(run=_Run("robots"))
     return parser

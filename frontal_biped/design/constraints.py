@@ -10,7 +10,7 @@ from frontal_biped.design.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.frontal_chain import GRAVITY
 from frontal_biped.poincare import Landing, StepOrbit
-from frontal_biped.zero_dynamics import F_H, F_V, TORQUES
+from frontal_biped.zero_dynamics import F_H, TORQUES
 
 STEP_WIDTH = "step width"
 MULTIPLIER = "multiplier delta_f^2 delta_r^2 delta_z^2"

@@ -82,7 +82,7 @@ def follow_branch(
         if 1.0 - ahead < 0.5 * min_step:
             ahead = 1.0
         specification = target if ahead == 1.0 else blend(origin, target, ahead)
-        result = design_gait(biped, specification, start=current, fall_back=False)
+        result = design_gait(biped, specification, start=current, fall_back=False, advise=size <= min_step)
         if result.gait is not None and (not _jumped(biped, specification, current, result.gait) or not results):
             results.append(result)
             fractions.append(ahead)

@@ -1,4 +1,4 @@
-"""Design a gait: optimise, check on a dense grid, tighten where the grid disagrees, close the orbit, simulate a step."""
+"""Design a gait: optimise, close the orbit, check on a dense grid, tighten where it disagrees, simulate a step."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -23,11 +23,14 @@ from frontal_biped.provenance import software_versions
 OPTIMISER_NODES = 16
 """Quadrature nodes a phase in the optimiser: about 1e-7 in J; the result is integrated again until 1e-11."""
 
-TIGHTENING_ROUNDS = 4
+TIGHTENING_ROUNDS = 8
 SAFETY = 1e-7  # every scaled constraint keeps this distance in the optimiser, against its own tolerance
 RESIDUAL_TOLERANCE = 1e-9
 SPREAD = 0.5
 """Standard deviation of the starts of a multi-start, in units of the variables' scales."""
+
+FEASIBILITY = SqpSettings(stop_when_feasible=True)
+"""Settings that ask whether a step exists, not what it costs."""
 
 Progress = Callable[[int, float, float], None]
 
@@ -62,7 +65,7 @@ class DesignResult:
     verification: Verification | None = None
 
 
-# iterates without an orbit have roots of negative numbers; they are told by their values, not by warnings
+# a nearest point without an orbit is told by its values, not by warnings
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def design_gait(
     biped: FrontalBiped,
@@ -71,6 +74,7 @@ def design_gait(
     start: Gait | FloatArray | None = None,
     attempts: int = 1,
     fall_back: bool = True,
+    advise: bool = True,
     on_progress: Progress | None = None,
 ) -> DesignResult:
     """Minimise J under C01 to C09.
@@ -82,6 +86,7 @@ def design_gait(
         attempts: designs from as many starts, the further ones drawn at random (``seed`` of the specification) around
             the default; the cheapest gait is kept.
         fall_back: where a given start leads nowhere, try the problem's own start as well.
+        advise: where there is no gait, look for a remedy; it takes a few designs more.
         on_progress: called with iteration, J [N^2 m s] and largest scaled violation.
 
     Returns:
@@ -107,7 +112,7 @@ def design_gait(
             break  # the default start only stands in for a start that led nowhere
         candidates.append(design.run(x))
     best = min(candidates, key=lambda candidate: (not candidate.good, candidate.figure))
-    result = design.conclude(best) if best.good else design.explain(best)
+    result = design.conclude(best) if best.good else design.explain(best, advise)
     return replace(result, seconds=time.perf_counter() - began)
 
 
@@ -215,23 +220,26 @@ class _Design:
         message = f"J = {orbit.cost:.4f} N^2 m s, multiplier {orbit.multiplier:.4f}, all constraints satisfied"
         return self._result(replace(gait, provenance=provenance), candidate, message, verification)
 
-    def explain(self, candidate: _Candidate) -> DesignResult:
+    def explain(self, candidate: _Candidate, advise: bool) -> DesignResult:
         """Which constraints contradict each other where the optimiser ended, and what to relax first."""
         causes = conflicts(candidate.problem, candidate.result)
         if not causes or candidate.result.feasible:
             return self._result(None, candidate, _nearest(candidate))
-        cure = remedy(self.biped, self.spec, causes, lambda changed: self._feasible(changed, candidate.x))
+        cure = None
+        if advise:
+            cure = remedy(self.biped, self.spec, causes, lambda changed: self._feasible(changed, candidate.x))
         listed = "; ".join(str(cause) for cause in causes[:4])
         more = f" and {len(causes) - 4} more" if len(causes) > 4 else ""
-        advice = str(cure) if cure is not None else "no single one of them is enough to relax"
-        message = f"the specification cannot be met, these contradict each other: {listed}{more}; {advice}"
+        advice = f"; {cure}" if cure else "; no single one of those tried is enough to relax" if advise else ""
+        together = "these contradict each other" if len(causes) > 1 else "this contradicts the other constraints"
+        message = f"the specification cannot be met, {together}: {listed}{more}{advice}"
         return replace(self._result(None, candidate, message), conflicts=causes, remedy=cure)
 
     def _feasible(self, changed: GaitSpecification, x: FloatArray) -> bool:
         """Does a step exist under another specification, in reach of x?"""
         problem = DesignProblem(self.biped, changed, OPTIMISER_NODES, SAFETY)
         low, high = problem.bounds()
-        result = minimise(problem.evaluate, problem.restored(x), low, high, problem.scale(), SqpSettings())
+        result = minimise(problem.evaluate, problem.restored(x), low, high, problem.scale(), FEASIBILITY)
         self.iterations += result.iterations
         self.evaluations += result.evaluations
         return result.feasible

@@ -8,20 +8,20 @@ quadrature nodes from the reversal with exact derivatives.
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import ClassVar, NamedTuple, cast
+from typing import ClassVar, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.constraints import STEP_WIDTH, Constraint, SoleHeights, step_constraints
+from frontal_biped.design.constraints import Constraint, SoleHeights, step_constraints
 from frontal_biped.design.derivatives import DifferentiableBiped, Projection
 from frontal_biped.design.forward_mode import Dual, elementwise, independent
+from frontal_biped.design.margins import MarginLayout, MarginRow, lay_out
 from frontal_biped.design.specification import GaitSpecification
+from frontal_biped.design.start import swayed_stand
 from frontal_biped.exceptions import UnreachablePoseError
 from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.frontal_chain import UPRIGHT
 from frontal_biped.poincare import Landing, StepOrbit
 from frontal_biped.quadrature import reversal_quadrature
 from frontal_biped.virtual_constraints.bezier import bernstein, elevate
@@ -29,7 +29,6 @@ from frontal_biped.virtual_constraints.invariance import (
     FreeParameters,
     PhaseParameters,
     complete,
-    double_support_pose,
     falling_parameters,
     final_falling_slope,
     rising_parameters,
@@ -105,7 +104,7 @@ class DesignProblem:
         self.size = int(self._splits[-1])
         self.tighten_by = tighten_by
         self._tightened: dict[tuple[str, str], float] = {}
-        self._layout: _MarginLayout | None = None
+        self._layout: MarginLayout | None = None
 
     def on_nodes(self, size: int) -> "DesignProblem":
         """The same problem on ``size`` quadrature nodes a phase, nothing tightened."""
@@ -141,45 +140,8 @@ class DesignProblem:
         return low, high
 
     def start(self) -> FloatArray:
-        """Default start (P,): a swayed stand in the middle of the allowed step widths, FRI in the middle of the sole.
-
-        The feet stand symmetrically apart; the stance leg leans out by 0.03 rad to the reversal while the pelvis
-        rolls so that the swing foot rises, flat, by twice the clearance; the joints go there and back smoothly.
-        """
-        spec, biped = self.specification, self.biped
-        # the step no wider than comfortable: half-way in the range, but at most 1.5 hip widths
-        low, high = spec.step_width
-        width = float(np.clip(min(0.5 * (low + high), 1.5 * biped.hip_width), low, high))
-        beta_impact = _symmetric_stance(biped, width)
-        final = double_support_pose(biped, beta_impact, width)
-        lean = min(max(0.03, 1.2 * spec.min_phase_range), 0.1)
-        reversal = final[::-1].copy()
-        reversal[0] += lean
-        beta_reversal = float(reversal[0])
-        # lift the hip by pelvis roll: about 2 clearance over the hip width
-        roll = 2.0 * spec.swing_clearance / biped.hip_width
-        if spec.max_pelvis_roll is not None:
-            roll = min(roll, 0.5 * spec.max_pelvis_roll)
-        reversal[1] += roll - lean
-        reversal[2] -= roll
-        M = max(spec.degrees)
-        begin, end = final[::-1][1:], final[1:]
-        ramp = np.linspace(0.0, 1.0, M + 1)
-        ease = ramp**2 * (3.0 - 2.0 * ramp)
-        rising = begin[:, None] + (reversal[1:] - begin)[:, None] * ease
-        falling = reversal[1:, None] + (end - reversal[1:])[:, None] * ease
-        middle = 0.5 * sum(biped.sole)
-        return self.pack(
-            FreeParameters(
-                beta_reversal,
-                beta_impact,
-                width,
-                rising[:, 2:],
-                falling[:, 2:-1],
-                np.full(spec.fri_degree + 1, middle),
-                np.full(spec.fri_degree, middle),
-            )
-        )
+        """Default start (P,): `swayed_stand`."""
+        return self.pack(swayed_stand(self.biped, self.specification))
 
     def scale(self) -> FloatArray:
         """(P,) changes of the variables that matter alike: 0.1 rad of a joint, 0.02 of the rest."""
@@ -189,6 +151,8 @@ class DesignProblem:
         return scale
 
     # ------------------------------------------------------------------ evaluation
+    # a point without an orbit has roots of negative numbers; it is told by its values, not by warnings
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")
     def evaluate(self, x: FloatArray) -> Evaluation:
         """Objective and constraints at x (P,), with exact derivatives."""
         step, soles, surplus = self._step(independent(x))
@@ -202,7 +166,7 @@ class DesignProblem:
             Constraint("", "orbit", "", orbit.z, FLOOR_Z, None, 10.0) for orbit in (step.rising, step.falling)
         ]
         if self._layout is None:
-            self._layout = self._lay_out(constraints)
+            self._layout = lay_out(constraints, self._distance)
         layout = self._layout
         values = cast("Dual", np.concatenate([constraint.values for constraint in constraints])).block[:, layout.picks]
         equality = cast("Dual", np.concatenate([np.stack(self.balance(step)), *surplus]))
@@ -237,29 +201,13 @@ class DesignProblem:
         """
         return complete(self.biped, self.unpack(x))
 
-    def rows(self) -> "tuple[MarginRow, ...]":
+    def _distance(self, constraint: Constraint) -> float:
+        """What a constraint keeps from its bounds, in units of its scale."""
+        return self.tighten_by + self._tightened.get((constraint.code, constraint.name), 0.0)
+
+    def rows(self) -> tuple[MarginRow, ...]:
         """What the margins of the last evaluation mean, in their order."""
         return () if self._layout is None else self._layout.meaning
-
-    def _lay_out(self, constraints: list[Constraint]) -> "_MarginLayout":
-        """Which value enters which margin, and how; the same for every evaluation until bounds are tightened."""
-        picks, bounds, factors, meaning = [], [], [], []
-        begin = row = 0
-        for constraint in constraints:
-            picked = np.arange(begin, begin + len(constraint.values))
-            begin += len(picked)
-            if constraint.name == STEP_WIDTH:
-                continue  # a variable, bounded as such
-            distance = self.tighten_by + self._tightened.get((constraint.code, constraint.name), 0.0)
-            for bound, sign in constraint.sides(distance):
-                picks.append(picked)
-                bounds.append(np.full(len(picked), bound))
-                factors.append(np.full(len(picked), sign / constraint.scale))
-                code, name, unit, scale = constraint.code, constraint.name, constraint.unit, constraint.scale
-                entries, row = slice(row, row + len(picked)), row + len(picked)
-                key = constraint.keys[0 if sign > 0.0 else 1]
-                meaning.append(MarginRow(code, name, key, unit, bound, scale, entries))
-        return _MarginLayout(np.concatenate(picks), np.concatenate(bounds), np.concatenate(factors), tuple(meaning))
 
     def restored(self, x: FloatArray) -> FloatArray:
         """The point itself, or where the formulas have no value there, one on the way to the default start.
@@ -299,7 +247,7 @@ class DesignProblem:
     def tighten(self, shortfall: Mapping[tuple[str, str], float]) -> None:
         """Move bounds inwards by the scaled violations found between the nodes, by code and name of the constraint."""
         for key, violation in shortfall.items():
-            self._tightened[key] = self._tightened.get(key, 0.0) + 1.1 * violation
+            self._tightened[key] = self._tightened.get(key, 0.0) + 1.2 * violation
         self._layout = None
 
     def _step(self, x: Dual) -> tuple[StepOrbit, SoleHeights, list[FloatArray]]:
@@ -347,37 +295,6 @@ def _leading(M: int, degree: int) -> FloatArray:
     return np.array(rows)
 
 
-class MarginRow(NamedTuple):
-    """A run of margins that belong to one side of one constraint.
-
-    Attributes:
-        code: of the constraint.
-        name: of the constraint.
-        key: entry of the specification that sets the bound, or "".
-        unit: of the bound.
-        bound: as the optimiser sees it.
-        scale: units per scaled unit.
-        entries: where in the margins.
-    """
-
-    code: str
-    name: str
-    key: str
-    unit: str
-    bound: float
-    scale: float
-    entries: slice
-
-
-class _MarginLayout(NamedTuple):
-    """Margins (k,) = (values[picks] - bound) factor."""
-
-    picks: NDArray[np.intp]
-    bound: FloatArray
-    factor: FloatArray
-    meaning: tuple[MarginRow, ...]
-
-
 _LANDING_PARTS = (slice(0, 4), slice(4, 7), slice(7, 9), slice(9, 11))
 
 
@@ -409,15 +326,4 @@ def _of_degree(coefficients: FloatArray, degree: int) -> FloatArray:
         return elevate(coefficients, degree)
     s = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 4 * coefficients.shape[-1]))
     values = bernstein(coefficients.shape[-1] - 1, s) @ coefficients.T
-    fitted: FloatArray = np.linalg.lstsq(bernstein(degree, s), values, rcond=None)[0].T
-    return fitted
-
-
-def _symmetric_stance(biped: FrontalBiped, step_width: float) -> float:
-    """Stance ankle angle at which both feet stand flat, ``step_width`` apart, with a level pelvis [rad]."""
-    ankle, hip, _, swing_ankle = biped.chain.joints
-    a = hip - ankle
-    # level pelvis: stance hip where the mirror image of the swing hip is; a turned by x has the horizontal part below
-    horizontal = a[0] + 0.5 * (step_width - (swing_ankle[0] - ankle[0]))
-    length, offset = float(np.hypot(*a)), float(np.arctan2(a[0], a[1]))
-    return UPRIGHT - float(np.arcsin(np.clip(horizontal / length, -0.9, 0.9))) + offset
+    return np.asarray(np.linalg.lstsq(bernstein(degree, s), values, rcond=None)[0].T, dtype=np.float64)

@@ -144,7 +144,6 @@ class TransitionProblem(DesignProblem):
         return step_constraints(self.biped, self.specification, step, soles, duration, self.departure)
 
 
-@np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def design_transition(
     biped: FrontalBiped, before: Gait, after: Gait, specification: GaitSpecification | None = None
 ) -> Transition:

@@ -82,6 +82,7 @@ class SqpSettings:
         max_iterations: of the whole iteration.
         tolerance: predicted decrease of the scaled penalty function at which to stop.
         feasible: largest violation of a point that counts as feasible.
+        stop_when_feasible: end at the first such point, whatever it costs.
     """
 
     cost_scale: float = 1e-2
@@ -93,6 +94,7 @@ class SqpSettings:
     max_iterations: int = 300
     tolerance: float = 1e-7
     feasible: float = 1e-7
+    stop_when_feasible: bool = False
 
 
 class Multipliers(NamedTuple):
@@ -202,6 +204,9 @@ class _Iteration:
             violation = _violation(self.point)
             return SqpResult(self.x, self.point.cost, violation, 0, self.evaluations, False, False, message)
         for count in range(1, settings.max_iterations + 1):
+            if settings.stop_when_feasible and _violation(self.point) <= settings.feasible:
+                message = "a feasible point"
+                break
             try:
                 answer = self._steered()
             except ArithmeticError:  # never without rounding: the slack makes every subproblem feasible

@@ -5,4 +5,13 @@ from frontal_biped.library.interpolation import GaitLibrary
 from frontal_biped.library.store import LibraryStore
 from frontal_biped.library.sweep import Sweep, read_sweep
 
-__all__ = ["GaitLibrary", "LibraryReport", "LibraryStore", "Sweep", "build_library", "dask_executor", "read_sweep", "worker_processes"]
+__all__ = [
+    "GaitLibrary",
+    "LibraryReport",
+    "LibraryStore",
+    "Sweep",
+    "build_library",
+    "dask_executor",
+    "read_sweep",
+    "worker_processes",
+]

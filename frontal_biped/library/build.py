@@ -177,8 +177,9 @@ def dask_executor(address: str) -> Iterator[Executor]:
     except ImportError:
         raise MissingExtraError("--dask needs Dask; install it with pip install 'frontal-biped[dask]'") from None
     try:
-        client = Client(address, timeout="10s")
+        client = Client(address, timeout="10s")  # type: ignore[no-untyped-call]
     except (OSError, ValueError, TimeoutError) as error:
         raise LibraryError(f"{address}: no Dask scheduler answers ({error}); start one with `dask scheduler`") from None
     with client:
-        yield client.get_executor()
+        executor: Executor = client.get_executor()  # type: ignore[no-untyped-call]
+        yield executor

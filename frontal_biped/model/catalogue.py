@@ -6,7 +6,7 @@ from pathlib import Path
 
 from frontal_biped.exceptions import RobotError
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.description import read_description
+from frontal_biped.model.description import RobotDescription, read_description
 from frontal_biped.model.frontal_reduction import reduce_to_frontal_plane
 from frontal_biped.model.urdf import read_urdf
 
@@ -41,13 +41,26 @@ def load_robot(name_or_path: str | Path = DEFAULT_ROBOT) -> FrontalBiped:
     Raises:
         RobotError: nothing is found there, or the files cannot be used; `HypothesisError` names the hypothesis.
     """
-    description = read_description(_description_path(name_or_path))
+    return build_robot(read_description(description_path(name_or_path)))
+
+
+def build_robot(description: RobotDescription) -> FrontalBiped:
+    """The robot of a description, read from a file or changed since.
+
+    Raises:
+        RobotError: its URDF cannot be used; `HypothesisError` names the hypothesis.
+    """
     urdf_text = read_urdf(description.urdf)
     reduction = reduce_to_frontal_plane(description, urdf_text)
     return FrontalBiped(description, description.fingerprint(urdf_text), reduction)
 
 
-def _description_path(name_or_path: str | Path) -> Path:
+def description_path(name_or_path: str | Path) -> Path:
+    """The description file of what `load_robot` is given.
+
+    Raises:
+        RobotError: there is none.
+    """
     text = str(name_or_path)
     packaged = models_dir() / f"{text}.toml"
     path = Path(text)
@@ -57,7 +70,8 @@ def _description_path(name_or_path: str | Path) -> Path:
             raise RobotError(f"{path}: no such URDF file; check the path, or see `frontal-biped robots`")
         if not beside.is_file():
             raise RobotError(
-                f"{path}: needs a description {beside.name} beside it that names its roll joints and soles"
+                f"{path}: needs a description {beside.name} beside it that names its roll joints and soles; make one"
+                f" with `frontal-biped robots --describe {path} -o {beside}`"
             )
         return beside
     if path.suffix == ".toml":

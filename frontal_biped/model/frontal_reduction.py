@@ -206,10 +206,10 @@ def _mirrored(measured: FrontalBodies, found: Asymmetry, description: RobotDescr
             f"{where}: the legs are not mirror images, {what}; make them equal in the URDF, or let them be averaged"
             " with symmetrise = true",
         )
-    if found.mass_matrix > MOST_AVERAGED:
+    if found.bodies > MOST_AVERAGED:
         raise HypothesisError(
             "HR3",
-            f"{where}: the legs differ by {100 * found.mass_matrix:.3g} % of the mass matrix, too much to average"
+            f"{where}: the legs differ by {100 * found.bodies:.3g} %, too much to average"
             f" (at most {100 * MOST_AVERAGED:g} %), {what}; make them equal in the URDF",
         )
     bodies = symmetrised(measured)

@@ -4,6 +4,7 @@ The data are found without their loaders package, which pins another version of 
 installed distribution (wheels of 5.x and 6.x), then in the ``share`` folders that ROS, conda and robotpkg use.
 """
 
+import contextlib
 import os
 import sys
 from importlib.metadata import PackageNotFoundError, distribution
@@ -22,10 +23,8 @@ def example_robot_data_dir() -> Path:
         RobotError: it is not installed.
     """
     candidates: list[Path] = []
-    try:
+    with contextlib.suppress(PackageNotFoundError):
         candidates.append(Path(str(distribution(EXAMPLE_ROBOT_DATA).locate_file(f"cmeel.prefix/{_SHARE.as_posix()}"))))
-    except PackageNotFoundError:
-        pass
     prefixes = [entry for entry in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if entry]
     candidates += [Path(prefix) / _SHARE for prefix in (*prefixes, sys.prefix)]
     for folder in candidates:

@@ -77,7 +77,7 @@ class FrontalBodies:
             return np.array([side * (foot[0] - yz[0]), yz[1] - ground])
 
         bodies = [self.body[key] for key in (order[0], order[1], PELVIS, order[2], order[3])]
-        # S of the stance map: whichever foot stands, q grows with the left joints' angles and falls with the right ones'
+        # S of the stance map: whichever foot stands, q grows with the left angles and falls with the right ones
         joints = [self.joint[key] if key.startswith("left") else self.joint[key].mirrored() for key in order]
         return FrontalChain(
             joints=np.array([to_plane(self.position[key]) for key in order]),

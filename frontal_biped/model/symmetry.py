@@ -21,8 +21,8 @@ from frontal_biped.model.stance_map import Stance
 ROUNDING = 1e-6
 """Relative difference of the legs that counts as none; a URDF prints at least seven digits."""
 
-MOST_AVERAGED = 0.05
-"""Largest relative difference of the left and the right mass matrix that may be averaged away."""
+MOST_AVERAGED = 0.1
+"""Largest relative difference of masses, inertias and lengths that may be averaged away."""
 
 
 class Difference(NamedTuple):
@@ -51,11 +51,13 @@ class Asymmetry:
         mass_matrix: largest difference between D in left and in mirrored right stance, upright, over its largest
             entry [-].
         gravity: largest difference between the gravity torques G of the two [N m].
+        bodies: largest relative difference of a mass, an inertia or a length [-].
         differences: quantities that differ by more than rounding, the largest first; joint limits come last.
     """
 
     mass_matrix: float
     gravity: float
+    bodies: float
     differences: tuple[Difference, ...]
 
     def as_dict(self) -> dict[str, Any]:
@@ -76,6 +78,7 @@ def asymmetry(bodies: FrontalBodies, sole: Sole) -> Asymmetry:
     return Asymmetry(
         mass_matrix=float(np.max(np.abs(left[0] - right[0])) / np.max(np.abs(left[0]))),
         gravity=float(np.max(np.abs(left[1] - right[1]))),
+        bodies=masses[0].relative,
         differences=tuple(found),
     )
 

@@ -7,7 +7,9 @@ standard error, so both are found here.
 import math
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
-from pathlib import Path
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+from typing import Any, cast
 
 from frontal_biped.exceptions import RobotError
 
@@ -51,16 +53,18 @@ def read_urdf(path: Path) -> str:
         raise RobotError(f'{path}: the <robot> has no name; write <robot name="...">')
     _check_links(path, root)
     _check_joints(path, root)
+    _check_mesh_paths(path, root)
     return text
 
 
 def _parse(path: Path, text: str) -> ElementTree.Element:
     """The root element; the depth is watched while reading, before any parser that recurses sees the text."""
-    parser = ElementTree.XMLPullParser(("start", "end"))
-    root, depth = None, 0
+    parser: ElementTree.XMLPullParser[Any] = ElementTree.XMLPullParser(("start", "end"))
+    root: ElementTree.Element | None = None
+    depth = 0
     for begin in range(0, max(len(text), 1), 1 << 16):
         parser.feed(text[begin : begin + (1 << 16)])
-        for event, element in parser.read_events():
+        for event, element in cast("Iterator[tuple[str, ElementTree.Element]]", parser.read_events()):
             root = element if root is None else root
             depth += 1 if event == "start" else -1
             if depth > MAX_DEPTH:
@@ -147,6 +151,23 @@ def _check_joints(path: Path, root: ElementTree.Element) -> None:
     roots = sorted(links - set(parent_of))
     if len(roots) != 1:
         raise RobotError(f"{path}: {len(roots)} links have no parent ({', '.join(roots)}); join them into one tree")
+
+
+def _check_mesh_paths(path: Path, root: ElementTree.Element) -> None:
+    """Meshes lie in the robot's own package: beside the URDF's folder at the farthest."""
+    for mesh in root.iter("mesh"):
+        name = mesh.get("filename", "")
+        _, colon, inside = name.partition("://")
+        parts = PurePosixPath(inside if colon else name).parts
+        depth = lowest = 0
+        for part in parts:
+            depth += -1 if part == ".." else 1
+            lowest = min(lowest, depth)
+        if lowest < (0 if colon else -1):
+            raise RobotError(
+                f"{path}: mesh {name!r} leaves the robot's package; keep meshes beside the URDF's folder and name them"
+                " package://package/meshes/..."
+            )
 
 
 def _numbers(where: str, element: ElementTree.Element | None, key: str, count: int) -> list[float]:

@@ -48,6 +48,6 @@ def degree_figure(series: Mapping[int, Sequence[StudyPoint]]) -> "Figure":
         label = f"FRI degree {fri_degree}"
         axes.plot(degree, cost, color=colour, marker=mark, linestyle=line, markersize=4.5, label=label)
     axes.set(xlabel="degree of the joint polynomials", ylabel=COST_LABEL, title="What higher degrees buy")
-    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.set_xticks(sorted({point.value for points in series.values() for point in points}))
     axes.legend()
     return figure

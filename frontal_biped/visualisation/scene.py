@@ -4,6 +4,7 @@ Works on any MeshCat visualizer, of the live server or of the exported page. Bod
 node per joint, the shapes below it placed once.
 """
 
+import logging
 from collections.abc import Iterator
 from typing import Any
 
@@ -13,8 +14,12 @@ import pinocchio as pin
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.geometry import build_shapes
 from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.visualisation.robot_meshes import draw_mesh, is_mesh, light_meshes
 from frontal_biped.visualisation.world import FEET, WorldMotion, frame_times, resample, stance_of, world_motion
+
+_log = logging.getLogger(__name__)
 
 ROBOT, GROUND, CONTACT, COM = "robot", "ground", "contact", "centre_of_mass"
 """Top nodes below ``/meshcat``."""
@@ -41,17 +46,11 @@ def visual_model(biped: FrontalBiped) -> pin.GeometryModel:
     Raises:
         RobotError: a mesh is not found.
     """
-    urdf = biped.description.urdf.resolve()
-    # "package://name/..." is looked up in every folder above the URDF: where descriptions live, whatever the installer
-    folders = [str(folder) for folder in urdf.parents]
-    try:
-        shapes = pin.buildGeomFromUrdf(biped.spatial_model, str(urdf), pin.GeometryType.VISUAL, package_dirs=folders)
-        if not shapes.ngeoms:
-            shapes = pin.buildGeomFromUrdf(
-                biped.spatial_model, str(urdf), pin.GeometryType.COLLISION, package_dirs=folders
-            )
-    except ValueError as error:
-        raise RobotError(f"{urdf}: {error}; searched {urdf.parent} and the folders above it") from None
+    urdf = biped.description.urdf
+    text = urdf.read_text(encoding="utf-8")
+    shapes = build_shapes(biped.spatial_model, urdf, text, pin.GeometryType.VISUAL)
+    if not shapes.ngeoms:
+        shapes = build_shapes(biped.spatial_model, urdf, text, pin.GeometryType.COLLISION)
     return shapes
 
 
@@ -79,9 +78,19 @@ def frontal_camera(biped: FrontalBiped) -> dict[str, list[float]]:
 
     The page sets this itself; MeshCat 0.3.2 has a command for the position but none for the target.
     """
-    hip_height = float(biped.chain.joints[1, 1])
-    target = 0.9 * hip_height
-    return {"position": [3.6 * hip_height, 0.0, target + 0.3 * hip_height], "target": [0.0, 0.0, target]}
+    size = max(float(biped.chain.joints[1, 1]), _top(biped) / 2.0)  # heads and feet in the picture
+    target = 0.9 * size
+    return {"position": [3.6 * size, 0.0, target + 0.3 * size], "target": [0.0, 0.0, target]}
+
+
+def _top(biped: FrontalBiped) -> float:
+    """About how high the robot reaches: its highest link, and a head above it [m]."""
+    model, data = biped.spatial_model, biped.spatial_model.createData()
+    pin.forwardKinematics(model, data, biped.spatial_reference)
+    pin.updateFramePlacements(model, data)
+    ankle = data.oMi[model.getJointId(biped.stance_map.joint_names[0])].translation[2]
+    highest = max(data.oMf[i].translation[2] for i, f in enumerate(model.frames) if f.type == pin.FrameType.BODY)
+    return 1.15 * float(highest - ankle + biped.ankle_height)
 
 
 def animate(visualizer: Any, biped: FrontalBiped, trajectory: Trajectory, fps: float = 30.0) -> None:
@@ -139,17 +148,26 @@ def _draw_robot(node: Any, biped: FrontalBiped) -> None:
             body: str = self.model.names[geometry_object.parentJoint]
             return f"{body}/{geometry_object.name}"
 
-    shapes = visual_model(biped)
+    try:
+        shapes = visual_model(biped)
+    except RobotError as error:
+        _log.warning("frontal-biped: warning: %s; %s is drawn with bars instead", error, biped.name)
+        _draw_plain_robot(node, biped)
+        return
     if not shapes.ngeoms:
         _draw_plain_robot(node, biped)
         return
     loader = BodyVisualizer(biped.spatial_model, None, shapes)
     loader.initViewer(viewer=node)
     for shape in shapes.geometryObjects:
+        if is_mesh(shape):
+            continue
         loader.loadViewerGeometryObject(shape, pin.GeometryType.VISUAL)
         placement = np.asarray(shape.placement.homogeneous, dtype=float)
         scale = np.diag([*np.asarray(shape.meshScale, dtype=float), 1.0])
         node[loader.getViewerNodeName(shape, pin.GeometryType.VISUAL)].set_transform(placement @ scale)
+    for shape, vertices, faces in light_meshes(shapes):
+        draw_mesh(node[loader.getViewerNodeName(shape, pin.GeometryType.VISUAL)], shape, vertices, faces)
 
 
 def _draw_plain_robot(node: Any, biped: FrontalBiped) -> None:

@@ -182,3 +182,13 @@ def test_iteration_limit():
     assert result.iterations == 2
     assert not result.converged
     assert "iteration limit" in result.message
+
+
+def test_stop_at_the_first_feasible_point():
+    from dataclasses import replace
+
+    inside = lambda x: (1.0 - x @ x, -2.0 * x)  # noqa: E731
+    result = solve(rosenbrock(margins=inside), (3.0, 3.0), settings=replace(SETTINGS, stop_when_feasible=True))
+    assert result.feasible and not result.converged
+    assert result.violation <= FEASIBLE
+    assert result.iterations < solve(rosenbrock(margins=inside), (3.0, 3.0)).iterations
