@@ -72,9 +72,9 @@ def simulate(
 def simulated_multiplier(biped: FrontalBiped, gait: Gait, relative_step: float = 1e-4) -> float:
     """Slope of the return map of the full model at its fixed point, by a central difference of two simulated steps.
 
-    With the paper's fixed transitions, under which the map is smooth; adaptive ones have the same slope at the gait, but
-    another curvature on either side of it. The post-impact speed is the coordinate; at a fixed point its slope equals
-    that of zeta, which is proportional to its square.
+    With the paper's fixed transitions, under which the map is smooth; adaptive ones have the same slope at the gait,
+    but another curvature on either side of it. The post-impact speed is the coordinate; at a fixed point its slope
+    equals that of zeta, which is proportional to its square.
 
     Args:
         biped: the robot.
