@@ -29,7 +29,7 @@ RESIDUAL_TOLERANCE = 1e-9
 SPREAD = 0.5
 """Standard deviation of the starts of a multi-start, in units of the variables' scales."""
 
-FEASIBILITY = SqpSettings(cost_scale=1e-6, stop_when_feasible=True)
+FEASIBILITY = SqpSettings(stop_when_feasible=True)
 """Settings that ask whether a step exists, not what it costs."""
 
 Progress = Callable[[int, float, float], None]

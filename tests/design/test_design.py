@@ -196,23 +196,16 @@ def test_unreachable_width_raises(biped):
         design_gait(biped, GaitSpecification(step_width=(3.0, 4.0)))
 
 
-def test_design_can_start_from_a_gait(biped, reference_design):
-    """From its own answer the optimiser stays there."""
-    from frontal_biped.design.problem import DesignProblem
-    from frontal_biped.virtual_constraints import FreeParameters
-
-    gait = reference_design.gait
-    rising, falling = gait.rising, gait.falling
-    problem = DesignProblem(biped, GaitSpecification(), OPTIMISER_NODES)
-    start = problem.pack(
-        FreeParameters(
-            rising.beta_end, falling.beta_end, gait.step_width,
-            rising.joint_bezier[:, 2:], falling.joint_bezier[:, 2:-1], rising.fri_bezier, falling.fri_bezier[1:],
-        )
-    )  # fmt: skip
-    result = design_gait(biped, GaitSpecification(), start=start)
+@pytest.mark.parametrize("degree", [4, 5, 7])
+def test_design_can_start_from_a_gait(biped, reference_gait, degree):
+    """From its own answer the optimiser stays there; a lower degree costs more, a higher one less."""
+    result = design_gait(biped, GaitSpecification(degree=degree), start=reference_gait)
     assert result.success, result.message
-    assert result.gait.orbit.cost <= gait.orbit.cost * (1.0 + 1e-4)
+    change = result.gait.orbit.cost / reference_gait.orbit.cost - 1.0
+    if degree == 5:
+        assert abs(change) < 1e-5
+    else:
+        assert np.sign(change) == (1 if degree < 5 else -1)
 
 
 def test_step_of_the_gait_is_the_planned_one(biped, reference_design):
@@ -220,3 +213,45 @@ def test_step_of_the_gait_is_the_planned_one(biped, reference_design):
     step = step_orbit(biped, gait.rising, gait.falling, gait.step_width, 40)
     assert step.cost == pytest.approx(gait.orbit.cost, rel=1e-10)
     assert step.duration == pytest.approx(gait.orbit.step_duration, rel=1e-10)
+
+
+def test_equal_input_gives_equal_bytes(biped, reference_gait, tmp_path):
+    """In another process, with another number of threads, and with memory laid out differently."""
+    import os
+    import subprocess
+    import sys
+
+    from frontal_biped.gait import save_gait
+
+    save_gait(reference_gait, tmp_path / "here.json")
+    code = (
+        "import sys, numpy as np; kept = [np.zeros(n) for n in range(1, 300, 7)]\n"
+        "import frontal_biped as fb\n"
+        "result = fb.design_gait(fb.load_robot('frontal_biped'), fb.GaitSpecification())\n"
+        "fb.save_gait(result.gait, sys.argv[1])\n"
+    )
+    for threads in ("1", "2"):
+        environment = {**os.environ, "OMP_NUM_THREADS": threads, "OPENBLAS_NUM_THREADS": threads}
+        path = tmp_path / f"{threads}.json"
+        subprocess.run([sys.executable, "-c", code, str(path)], env=environment, check=True, timeout=120)
+        assert path.read_bytes() == (tmp_path / "here.json").read_bytes()
+
+
+def test_several_starts_keep_the_cheapest(biped, reference_gait):
+    result = design_gait(biped, GaitSpecification(seed=3), attempts=2)
+    assert result.success
+    assert result.gait.orbit.cost <= reference_gait.orbit.cost * (1.0 + 1e-5)
+
+
+def test_a_start_that_leads_nowhere_falls_back(biped):
+    """Far outside every bound; the default start stands in."""
+    from frontal_biped.design.problem import DesignProblem
+
+    problem = DesignProblem(biped, GaitSpecification(), OPTIMISER_NODES)
+    start = problem.start() + 0.8 * np.sin(7.0 * np.arange(problem.size))
+    assert design_gait(biped, GaitSpecification(), start=start).success
+
+
+def test_no_attempts_are_refused(biped):
+    with pytest.raises(SpecificationError, match="attempts = 0"):
+        design_gait(biped, attempts=0)

@@ -27,6 +27,9 @@ SAME = 1e-10
 SPECIFICATIONS = {
     "default": GaitSpecification(),
     "level pelvis": GaitSpecification(max_pelvis_roll=0.0872664626, degree=6, fri_degree=2),
+    "robust": GaitSpecification(
+        degree=(5, 4, 6), max_multiplier=0.7, min_energy_margin=1.0, max_reversal_shift=1e-3, max_pelvis_roll=0.1
+    ),
     "cubic": GaitSpecification(degree=4, fri_degree=4, max_torque=(40.0, 90.0, 90.0, 40.0)),
 }
 
