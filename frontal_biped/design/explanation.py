@@ -1,9 +1,9 @@
 """Why a specification cannot be met: which constraints contradict each other, by how much, and what to relax first.
 
 Where the optimiser ends without a gait it has minimised the largest scaled violation t over all constraints. The
-multipliers there are the certificate: divided by their sum they are weights w_i >= 0 with sum 1, the combination of
-constraints that cannot be improved together, and relaxing bound i by one scaled unit lowers t by w_i. A bound
-relaxed alone must therefore give way by t / w_i, to first order. The estimate is not left at that: `remedy` tries it.
+multipliers there are the certificate: divided by their sum, periodicity included, they are a combination of constraints
+that cannot be improved together, and relaxing bound i by one scaled unit lowers t by its share w_i. A bound relaxed
+alone must therefore give way by t / w_i, to first order. The estimate is not left at that: `remedy` tries it.
 """
 
 from collections.abc import Callable
@@ -36,7 +36,7 @@ class Conflict:
         unit: of the bound.
         bound: what is asked for.
         shortfall: by how much the nearest point misses it.
-        weight: share in the contradiction, 0 to 1.
+        weight: share in the contradiction among all bounds, 0 to 1; periodicity, which is no bound, is left out.
         relief: by how much this bound alone would have to give way, to first order.
     """
 
@@ -59,27 +59,28 @@ def conflicts(problem: DesignProblem, result: SqpResult) -> tuple[Conflict, ...]
     if result.multipliers is None:
         return ()
     margins, equality, box = result.multipliers
+    low, high = problem.bounds()
+    scale = problem.scale()
+    ends = {i: problem.SPECIFIED_VARIABLES[i] for i in problem.SPECIFIED_VARIABLES if box[i] != 0.0}
     total = float(np.sum(margins) + np.sum(np.abs(equality)))
-    if total <= 0.0:
+    of_bounds = float(np.sum(margins) + sum(abs(box[i]) for i in ends))
+    if total <= 0.0 or of_bounds <= 0.0:
         return ()
     point = problem.evaluate(result.x)
     found = []
     for row in problem.rows():
-        weights = margins[row.entries] / total
-        weight = float(weights.sum())
-        if weight < SHARE:
-            continue
-        shortfall = max(0.0, -float(np.min(point.margins[row.entries]))) * row.scale
-        relief = result.violation * row.scale / weight
-        found.append(Conflict(row.code, row.name, row.key, row.unit, row.bound, shortfall, weight, relief))
-    low, high = problem.bounds()
-    for index, ends in problem.SPECIFIED_VARIABLES.items():
-        weight = float(box[index]) / total
-        if abs(weight) * result.violation < SHARE * 1e-3:
-            continue
-        key, bound = (ends[0], low[index]) if weight > 0.0 else (ends[1], high[index])
-        relief = result.violation * problem.scale()[index] / abs(weight)
-        found.append(Conflict("C09", "step width", key, "m", float(bound), 0.0, abs(weight), float(relief)))
+        price = float(margins[row.entries].sum())
+        if price > SHARE * of_bounds:
+            shortfall = max(0.0, -float(np.min(point.margins[row.entries]))) * row.scale
+            relief = result.violation * row.scale * total / price
+            weight = price / of_bounds
+            found.append(Conflict(row.code, row.name, row.key, row.unit, row.bound, shortfall, weight, relief))
+    for i, (lower, upper) in ends.items():
+        price = abs(float(box[i]))
+        if price > SHARE * of_bounds:
+            key, bound = (lower, low[i]) if box[i] > 0.0 else (upper, high[i])
+            relief = float(result.violation * scale[i] * total / price)
+            found.append(Conflict("C09", "step width", key, "m", float(bound), 0.0, price / of_bounds, relief))
     return tuple(sorted(found, key=lambda conflict: -conflict.weight))
 
 

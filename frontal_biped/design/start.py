@@ -7,12 +7,15 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.frontal_chain import UPRIGHT
 from frontal_biped.virtual_constraints.invariance import FreeParameters, double_support_pose
 
+LARGEST_ROLL = 0.15
+"""Of the pelvis, at the start [rad]: with more of it the robot would not reverse."""
+
 
 def swayed_stand(biped: FrontalBiped, spec: GaitSpecification) -> FreeParameters:
     """A swayed stand in the middle of the allowed step widths, FRI in the middle of the sole.
 
     The feet stand symmetrically apart; the stance leg leans out by 0.03 rad to the reversal while the pelvis rolls so
-    that the swing foot rises, flat, by twice the clearance; the joints go there and back smoothly.
+    that the swing foot rises, flat, by twice the clearance (0.15 rad at most); the joints go there and back smoothly.
 
     Raises:
         UnreachablePoseError: the feet cannot stand so far apart.
@@ -27,7 +30,7 @@ def swayed_stand(biped: FrontalBiped, spec: GaitSpecification) -> FreeParameters
     reversal[0] += lean
     beta_reversal = float(reversal[0])
     # lift the hip by pelvis roll: about 2 clearance over the hip width
-    roll = 2.0 * spec.swing_clearance / biped.hip_width
+    roll = min(2.0 * spec.swing_clearance / biped.hip_width, LARGEST_ROLL)
     if spec.max_pelvis_roll is not None:
         roll = min(roll, 0.5 * spec.max_pelvis_roll)
     reversal[1] += roll - lean
