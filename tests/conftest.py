@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from frontal_biped.design import DesignResult, GaitSpecification, design_gait
+from frontal_biped.design import DesignResult, GaitSpecification, design_gait, load_specification
 from frontal_biped.gait import Gait
 from frontal_biped.model import FrontalBiped, load_robot
 
@@ -84,6 +84,14 @@ def reference_gait(reference_design: DesignResult) -> Gait:
 def level_gait(level_design: DesignResult) -> Gait:
     assert level_design.gait is not None, level_design.message
     return level_design.gait
+
+
+@pytest.fixture(scope="session")
+def robust_gait(biped: FrontalBiped) -> Gait:
+    """The gait of the shipped specification `robust`."""
+    result = design_gait(biped, load_specification("robust"))
+    assert result.gait is not None, result.message
+    return result.gait
 
 
 def write_robot(folder: Path, name: str, parameters: Mapping[str, float]) -> Path:
