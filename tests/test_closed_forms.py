@@ -6,7 +6,7 @@ on its ankles like a rigid A: published_numbers rows 6 and 7 (rimless wheel), 12
 
 import numpy as np
 import pytest
-from conftest import write_robot
+from robot_files import write_robot
 
 from frontal_biped.model import load_robot
 from frontal_biped.phase_energy import phase_energy

@@ -399,3 +399,27 @@ class TestBadFiles:
         )
         os.close(write)
         assert "Traceback" not in process.stderr
+
+
+def test_robots_lists_every_robot_with_its_asymmetry(capsys):
+    assert main(["robots", "--json"]) == 0
+    rows = {row["name"]: row for row in json.loads(capsys.readouterr().out)["robots"]}
+    assert rows["talos_full"]["mass"] == pytest.approx(93.336, abs=1e-3)
+    assert rows["romeo"]["asymmetry"]["differences"] == []
+    (worst, *_) = rows["icub"]["asymmetry"]["differences"]
+    assert worst["what"] == "the inertia of the leg"
+    assert rows["icub"]["asymmetry"]["mass_matrix"] == pytest.approx(1.7e-3, rel=0.1)
+    for row in rows.values():
+        assert {"leg_length", "hip_width", "sole", "ankle_height", "ankle_torque", "hip_torque"} <= set(row)
+
+
+def test_describe_and_posture_are_two_tasks(capsys):
+    assert main(["robots", "--describe", "a.urdf", "--posture", "b.toml"]) == 2
+    assert "not allowed with" in capsys.readouterr().err
+
+
+def test_posture_of_a_packaged_robot_as_json(capsys):
+    assert main(["robots", "--posture", "g1", "--json"]) == 0
+    table = json.loads(capsys.readouterr().out)
+    assert table["undecided"] == []
+    assert "waist_pitch_joint" in table["description"]

@@ -152,3 +152,21 @@ class TestFile:
     def test_missing_file(self, tmp_path):
         with pytest.raises(SpecificationError, match=r"gait\.toml: no such file; check the path"):
             read_specification(tmp_path / "gait.toml")
+
+
+def test_a_robot_may_bring_the_specification_that_suits_it(tmp_path, biped):
+    """The ``[gait]`` table of a description; without one, the defaults; errors name the file and the table."""
+    from frontal_biped.design import default_specification
+    from frontal_biped.model import load_robot, models_dir
+
+    assert default_specification(biped) == GaitSpecification()
+    (tmp_path / "frontal_biped.urdf").write_bytes((models_dir() / "frontal_biped.urdf").read_bytes())
+    text = (models_dir() / "frontal_biped.toml").read_text(encoding="utf-8")
+    path = tmp_path / "mine.toml"
+    path.write_text(text + "\n[gait]\nfriction = 0.4\nstep_width = [0.2, 0.3]\n", encoding="utf-8")
+    mine = load_robot(path)
+    assert default_specification(mine) == GaitSpecification(friction=0.4, step_width=(0.2, 0.3))
+    assert mine.fingerprint == biped.fingerprint  # it does not shape the model
+    path.write_text(text + '\n[gait]\nfriction = "rough"\n', encoding="utf-8")
+    with pytest.raises(SpecificationError, match=r"mine\.toml: \[gait\]: friction"):
+        default_specification(load_robot(path))

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from frontal_biped.analysis import analyze
+from frontal_biped.control import ControllerSettings
 from frontal_biped.design import default_specification, design_gait
 from frontal_biped.gait import load_gait
 from frontal_biped.model import FrontalBiped, load_robot, models_dir
 from frontal_biped.model.frontal_reduction import reduce_to_frontal_plane
 from frontal_biped.model.urdf import read_urdf
+from frontal_biped.walking import simulate, simulated_multiplier
 from frontal_biped.zero_dynamics import TORQUES
 
 HUMANOIDS = ("alexander", "g1", "human", "icub", "romeo", "simple_humanoid_classical", "talos_full")
@@ -21,6 +23,13 @@ widths of 0.8 to 1.8 hip widths, 8 mm of clearance and 10 degrees of pelvis roll
 
 TALOS_BOUND = 515.0
 """The same for talos_full, without the reflected inertia of its rotors, which its URDF does not tell."""
+
+SAMPLED_FREQUENCY = 200.0
+"""Natural frequency of the output error [rad/s]: a fifth of the sampling rate. A light foot is moved by torques held
+across the impact, and 30 rad/s leave that error for most of a step of 0.3 s."""
+
+SAME_MULTIPLIER = 1e-3
+"""Relative; a difference quotient of the simulated return map, whose curvature differs between robots."""
 
 SAME_COST = 1e-3  # relative; a redesign may end elsewhere on a flat optimum
 
@@ -74,6 +83,20 @@ def test_torques_stay_within_the_urdf(humanoid, gait):
 def test_cost_against_an_independent_optimiser(name):
     gait = load_gait(models_dir() / f"{name}.gait.json")
     assert gait.orbit.cost <= COST_BOUNDS[name]
+
+
+@pytest.mark.slow
+def test_it_walks_twenty_steps_with_torques_held_for_a_millisecond(humanoid, gait):
+    settings = dataclasses.replace(ControllerSettings.for_gait(gait), frequency=SAMPLED_FREQUENCY)
+    run = simulate(humanoid, gait, steps=20, period=1e-3, controller_settings=settings)
+    assert (run.outcome, run.steps_completed) == ("completed", 20)
+    assert np.all(np.abs(run.u) <= humanoid.max_torque + 1e-6)
+
+
+@pytest.mark.slow
+def test_its_multiplier_is_that_of_the_full_model(humanoid, gait):
+    """Closed form against simulation; for talos_full also a test of how rotor inertia enters the zero dynamics."""
+    assert simulated_multiplier(humanoid, gait) == pytest.approx(gait.orbit.multiplier, rel=SAME_MULTIPLIER)
 
 
 @pytest.mark.slow
