@@ -13,8 +13,9 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.control.transitions import Stabiliser
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait import Gait
+from frontal_biped.half_steps import Landed, falling_energy, land_on_constraints, rising_energy
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.phase_energy import Landed, PhaseEnergy, falling_energy, land_on_constraints, rising_energy
+from frontal_biped.phase_energy import PhaseEnergy
 from frontal_biped.poincare import Landing
 from frontal_biped.virtual_constraints.phase import Phase
 from frontal_biped.zero_dynamics import F_H, F_V, TORQUES

@@ -13,8 +13,8 @@ import numpy as np
 from frontal_biped.control.stabilisers import STABILISERS, make_stabiliser
 from frontal_biped.control.transitions import AdaptiveTransitions
 from frontal_biped.gait import Gait
+from frontal_biped.half_steps import rising_energy
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.phase_energy import rising_energy
 from frontal_biped.return_map import Basin, RestrictedMap
 from frontal_biped.simulation.disturbances import Disturbances, Push
 from frontal_biped.simulation.trajectory import Trajectory

@@ -14,8 +14,8 @@ from frontal_biped.control.stabilisers import make_stabiliser
 from frontal_biped.control.transitions import AdaptiveTransitions
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait import Gait
+from frontal_biped.half_steps import rising_energy
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.phase_energy import rising_energy
 from frontal_biped.simulation.simulate import SimulationSettings
 from frontal_biped.walking import simulate
 

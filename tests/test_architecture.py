@@ -22,20 +22,22 @@ MAY_IMPORT = {
     "virtual_constraints": {"model"},
     "zero_dynamics": {"model", "virtual_constraints", "quadrature"},
     "poincare": {"model", "virtual_constraints", "zero_dynamics"},
-    "phase_energy": {"model", "virtual_constraints", "zero_dynamics", "poincare"},
+    "phase_energy": {"model", "virtual_constraints", "zero_dynamics"},
+    "half_steps": {"model", "virtual_constraints", "poincare", "phase_energy"},
     "chebyshev": set(),
     "reversal": {"model", "virtual_constraints", "zero_dynamics", "poincare", "gait"},
     "reversal_solver": {"model", "virtual_constraints", "poincare", "reversal"},
-    "reversal_certificate": {
-        "model", "virtual_constraints", "zero_dynamics", "poincare", "chebyshev", "reversal_solver",
-    },
+    "reversal_zeros": {"chebyshev", "reversal_solver"},
+    "reversal_certificate": {"zero_dynamics", "poincare", "chebyshev", "reversal_solver", "reversal_zeros"},
     "gait": {"model", "virtual_constraints", "zero_dynamics", "poincare"},
     "design": {
         "model", "quadrature", "virtual_constraints", "zero_dynamics", "poincare", "gait", "simulation", "walking",
     },
     "library": {"model", "design", "gait"},
-    "control": {"model", "virtual_constraints", "gait", "quadratic_program", "phase_energy"},
-    "return_map": {"model", "virtual_constraints", "zero_dynamics", "poincare", "phase_energy", "gait", "control"},
+    "control": {"model", "virtual_constraints", "gait", "quadratic_program", "phase_energy", "half_steps"},
+    "return_map": {
+        "model", "virtual_constraints", "zero_dynamics", "poincare", "phase_energy", "half_steps", "gait", "control",
+    },
     "simulation": {"model", "virtual_constraints", "control"},
 }  # fmt: skip
 

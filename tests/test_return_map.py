@@ -8,7 +8,7 @@ from frontal_biped.control.ankle_law import AnkleLaw
 from frontal_biped.control.step_law import StepLaw, StepRule
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait import converged_nodes
-from frontal_biped.phase_energy import rising_energy
+from frontal_biped.half_steps import rising_energy
 from frontal_biped.poincare import HybridZeroDynamics
 from frontal_biped.return_map import RestrictedMap
 from frontal_biped.simulation import SimulationSettings

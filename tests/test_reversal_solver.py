@@ -8,8 +8,9 @@ import pytest
 
 from frontal_biped.design import GaitSpecification, design_gait
 from frontal_biped.poincare import step_orbit
-from frontal_biped.reversal_certificate import Verdict, certify_reversal, count_gaits
+from frontal_biped.reversal_certificate import certify_reversal
 from frontal_biped.reversal_solver import ReversalProblem, energy_balance, solve_reversal, successive_approximation
+from frontal_biped.reversal_zeros import Verdict, count_gaits
 from frontal_biped.virtual_constraints.invariance import complete, free_parameters
 
 NODES = 24

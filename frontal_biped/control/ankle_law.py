@@ -17,17 +17,17 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.control.transitions import AdaptiveTransitions, Stabiliser
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait import Gait
-from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.phase_energy import (
+from frontal_biped.half_steps import (
     BLOCKED,
     Landed,
     falling_energy,
     landing_at_end,
-    phase_energy,
     speed_at_end,
     stretch_to_reversal,
     surplus_at_end,
 )
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.phase_energy import phase_energy
 from frontal_biped.virtual_constraints.anchoring import ContinuedPhase, shifted_fri, unshifted
 from frontal_biped.virtual_constraints.phase import Phase
 

@@ -9,8 +9,8 @@ from frontal_biped.control.transitions import AdaptiveTransitions, FixedTransiti
 from frontal_biped.control.walking_qp import DDQ, FORCE, ContactLimits, Targets, U, WalkingQp
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait import Gait
+from frontal_biped.half_steps import Landed
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.phase_energy import Landed
 from frontal_biped.quadratic_program import ProxQpSolver, QpSolution
 from frontal_biped.virtual_constraints.phase import Phase, StepPhase
 

@@ -21,16 +21,9 @@ from frontal_biped.control.ankle_law import AnkleLaw
 from frontal_biped.control.transitions import AdaptiveTransitions
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait import Gait
+from frontal_biped.half_steps import Landed, falling_energy, land_on_constraints, rising_energy, surplus_at_end
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.phase_energy import (
-    Landed,
-    PhaseEnergy,
-    falling_energy,
-    land_on_constraints,
-    phase_energy,
-    rising_energy,
-    surplus_at_end,
-)
+from frontal_biped.phase_energy import PhaseEnergy, phase_energy
 from frontal_biped.virtual_constraints.anchoring import shifted_fri, unshifted
 from frontal_biped.virtual_constraints.invariance import double_support_pose
 from frontal_biped.virtual_constraints.phase import Phase

@@ -14,8 +14,9 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait import Gait
+from frontal_biped.half_steps import Landed, rising_energy, stretch_to_reversal
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.phase_energy import Landed, PhaseEnergy, rising_energy, stretch_to_reversal
+from frontal_biped.phase_energy import PhaseEnergy
 from frontal_biped.virtual_constraints.anchoring import (
     ContinuedPhase,
     anchored_falling,
