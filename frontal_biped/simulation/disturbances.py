@@ -1,4 +1,7 @@
-"""What a simulated robot is up against: noisy encoders, noisy torques, pushes at the pelvis. Seeded, so repeatable."""
+"""What a simulated robot is up against: noisy encoders, noisy torques, pushes at the pelvis. Seeded, so repeatable.
+
+Reversal and impact are announced to the controller when they happen; only the state it is given then is noisy.
+"""
 
 from dataclasses import dataclass
 
