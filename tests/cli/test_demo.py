@@ -52,7 +52,7 @@ def test_certificate_and_cost(report):
 
 def test_constraints_are_all_listed_with_value_bound_and_margin(report):
     checks = report["analysis"]["constraints"]["checks"]
-    assert {check["code"] for check in checks} == {f"C0{i}" for i in range(1, 10)}
+    assert {check["code"] for check in checks} >= {f"C0{i}" for i in range(1, 10)}
     for check in checks:
         assert check["satisfied"]
         assert {"value", "bound", "margin", "unit"} <= set(check)
@@ -91,6 +91,8 @@ def test_it_can_be_repeated_into_the_same_folder_and_keeps_other_files(folder, m
 
     monkeypatch.setattr("frontal_biped.cli.demo._draw", broken)
     monkeypatch.setattr("frontal_biped.cli.demo.STEPS", 1)
+    for slow_part in ("SHOWN_STABILISERS", "SHOWN_PUSHES", "REVERSAL_ERRORS"):
+        monkeypatch.setattr(f"frontal_biped.cli.demo.{slow_part}", ())
     assert main(["demo", "--out", str(folder)]) == 2
     assert {path: path.stat().st_mtime_ns for path in folder.rglob("*")} == before
 
