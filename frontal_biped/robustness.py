@@ -128,7 +128,7 @@ def robustness_card(
     instants: Sequence[tuple[str, float]] = INSTANTS,
     on_progress: Callable[[str], None] | None = None,
 ) -> RobustnessCard:
-    """Measure the robustness of a gait; about two minutes with every stabiliser and every push.
+    """Measure the robustness of a gait; several minutes with every stabiliser and every push.
 
     Args:
         biped: the robot.
