@@ -5,10 +5,13 @@ from typing import Any
 
 from frontal_biped.design.report import ConstraintReport, check_constraints
 from frontal_biped.design.specification import GaitSpecification
+from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait import Gait, converged_nodes, quadrature_error
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.poincare import HybridZeroDynamics, step_orbit
 from frontal_biped.reversal import ReversalAnalysis, analyse_reversal
+from frontal_biped.reversal_certificate import ReversalCertificate, certify_reversal
+from frontal_biped.reversal_solver import ReversalProblem
 
 RESIDUAL_BOUND = 1e-9
 """Largest residual of a certified gait: invariance, energy balance, stored orbit, reversal point."""
@@ -40,6 +43,7 @@ class GaitAnalysis:
         reversal: where it reverses.
         residuals: of the gait, see `Gait.residuals`.
         constraints: C01..C09 on the dense grid.
+        certificate: existence, number and uniqueness of the reversal point; None where no step exists.
     """
 
     robot: str
@@ -60,6 +64,7 @@ class GaitAnalysis:
     reversal: ReversalAnalysis
     residuals: dict[str, float]
     constraints: ConstraintReport
+    certificate: ReversalCertificate | None
 
     @property
     def certified(self) -> bool:
@@ -93,6 +98,7 @@ class GaitAnalysis:
         table = asdict(self)
         table["reversal"]["is_reversal"] = self.reversal.is_reversal
         table["constraints"] = self.constraints.as_dict()
+        table["certificate"] = None if self.certificate is None else self.certificate.as_dict()
         return {"certified": self.certified, "objections": list(self.objections), **table}
 
     def __str__(self) -> str:
@@ -110,8 +116,8 @@ class GaitAnalysis:
             ),
             ("reversal", f"{r.beta:.9f} rad, planned {r.planned:.9f}, in ]{r.bracket[0]:.4f}, {r.bracket[1]:.4f}["),
             ("existence", f"Z changes sign between {r.sign_change[0]:.6f} and {r.sign_change[1]:.6f} rad"),
-            ("sign changes of Z seen", f"{r.sign_changes}, where it is defined: up to {r.defined_to:.6f} rad"),
             ("HIP1, HIP2", f"zeta {r.zeta_residual:.1e} (relative), ddbeta {r.acceleration:.4f} rad/s^2"),
+            *(self.certificate.rows() if self.certificate is not None else ()),
             ("quadrature", f"{self.nodes} nodes a phase, measured error {self.quadrature_error:.1e}"),
             ("  error by nodes", ", ".join(f"{size}: {error:.1e}" for size, error in self.convergence.items())),
             (
@@ -141,6 +147,11 @@ def analyze(biped: FrontalBiped, gait: Gait, specification: GaitSpecification | 
     nodes = converged_nodes(biped, gait.rising, gait.falling, gait.step_width)
     step = step_orbit(biped, gait.rising, gait.falling, gait.step_width, nodes)
     hzd = HybridZeroDynamics(biped, step)
+    problem = ReversalProblem.of_phases(biped, gait.rising, gait.falling, gait.step_width, nodes)
+    try:
+        certificate = certify_reversal(problem)
+    except ReversalError:
+        certificate = None
     return GaitAnalysis(
         robot=biped.name,
         nodes=nodes,
@@ -162,4 +173,5 @@ def analyze(biped: FrontalBiped, gait: Gait, specification: GaitSpecification | 
         reversal=analyse_reversal(biped, gait.rising, gait.falling, gait.step_width, nodes),
         residuals=gait.residuals(biped, step),
         constraints=check_constraints(biped, spec, gait.rising, gait.falling, step),
+        certificate=certificate,
     )

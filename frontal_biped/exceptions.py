@@ -45,6 +45,10 @@ class ReversalError(FrontalBipedError):
     """The zero dynamics has no reversal point where one is needed."""
 
 
+class SimulationError(FrontalBipedError):
+    """Settings of a simulation that contradict each other."""
+
+
 class LibraryError(FrontalBipedError):
     """A gait library that is not there, holds something else, or cannot be built where it was asked for."""
 

@@ -6,9 +6,12 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 from frontal_biped.control.controller import ControllerSettings, QpController
+from frontal_biped.control.stabilisers import make_stabiliser
+from frontal_biped.control.transitions import Stabiliser
 from frontal_biped.gait import Gait, gait_to_dict
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.stance_map import Stance
+from frontal_biped.simulation.disturbances import Disturbances
 from frontal_biped.simulation.simulate import SimulationSettings, simulate_walk
 from frontal_biped.simulation.trajectory import Trajectory
 
@@ -21,6 +24,8 @@ def simulate(
     period: float | None = None,
     speed_error: float = 0.0,
     stance: Stance = Stance.LEFT,
+    stabiliser: Stabiliser | str = "adaptive",
+    disturbances: Disturbances | None = None,
     controller_settings: ControllerSettings | None = None,
     simulation_settings: SimulationSettings | None = None,
     on_step: Callable[[int], None] | None = None,
@@ -34,6 +39,8 @@ def simulate(
         period: control period [s], a zero-order hold; None: the controller acts in continuous time.
         speed_error: relative error of the first post-impact speed, all joints alike, so that the start stays on Z.
         stance: first stance foot.
+        stabiliser: a stabiliser, or one of `STABILISERS` by name.
+        disturbances: noise and pushes; they need a period.
         controller_settings: gains and limits; default: those of the gait's specification.
         simulation_settings: tolerances; ``steps`` and ``period`` above take precedence.
         on_step: called with the number of completed steps.
@@ -41,11 +48,12 @@ def simulate(
     Returns:
         The run; a fall is an outcome, not an error.
     """
-    base = asdict(simulation_settings or SimulationSettings())
-    settings = SimulationSettings(**{**base, "steps": steps, "period": period})
-    controller = QpController(biped, gait, controller_settings)
+    base = simulation_settings or SimulationSettings()
+    settings = replace(base, steps=steps, period=period, disturbances=disturbances or base.disturbances)
+    chosen = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
+    controller = QpController(biped, gait, controller_settings, chosen)
     q, dq = gait.state_after_impact()
-    stored = {**asdict(controller.settings), "speed_error": speed_error}
+    stored = {**asdict(controller.settings), "speed_error": speed_error, "stabiliser": chosen.name}
     run = simulate_walk(
         biped,
         controller,
@@ -57,15 +65,16 @@ def simulate(
         gait=gait_to_dict(gait),
         controller_settings=stored,
     )
-    counted = {**stored, "ticks": controller.ticks, "unsolved": controller.unsolved}
+    counted = {**stored, "ticks": controller.ticks, "unsolved": controller.unsolved, "declined": controller.declined}
     return replace(run, settings={**run.settings, "controller": counted})
 
 
 def simulated_multiplier(biped: FrontalBiped, gait: Gait, relative_step: float = 1e-4) -> float:
     """Slope of the return map of the full model at its fixed point, by a central difference of two simulated steps.
 
-    The post-impact speed is the coordinate; at a fixed point its slope equals that of zeta, which is proportional to
-    its square.
+    With the paper's fixed transitions, under which the map is smooth; adaptive ones have the same slope at the gait,
+    but another curvature on either side of it. The post-impact speed is the coordinate; at a fixed point its slope
+    equals that of zeta, which is proportional to its square.
 
     Args:
         biped: the robot.
@@ -74,7 +83,7 @@ def simulated_multiplier(biped: FrontalBiped, gait: Gait, relative_step: float =
     """
     speed = []
     for sign in (+1.0, -1.0):
-        run = simulate(biped, gait, steps=1, speed_error=sign * relative_step)
+        run = simulate(biped, gait, steps=1, speed_error=sign * relative_step, stabiliser="fixed")
         speed.append(run.post_impact_states()[-1, 4] if not run.fell else np.nan)
     return float((speed[0] - speed[1]) / (2.0 * relative_step * gait.orbit.beta_dot_after_impact))
 
@@ -115,6 +124,7 @@ def speed_error_outcome(
     speed_error: float,
     *,
     steps: int = 10,
+    stabiliser: Stabiliser | str = "fixed",
     controller_settings: ControllerSettings | None = None,
 ) -> SpeedErrorOutcome:
     """Start with an error in the post-impact speed, control continuously, and see what becomes of the gait.
@@ -124,6 +134,7 @@ def speed_error_outcome(
         gait: the gait.
         speed_error: relative [-].
         steps: to try.
+        stabiliser: a stabiliser, or one of `STABILISERS` by name; default: the paper's fixed transitions.
         controller_settings: gains and limits.
     """
     settings = SimulationSettings(rtol=1e-8, atol=1e-10)
@@ -132,6 +143,7 @@ def speed_error_outcome(
         gait,
         steps=steps,
         speed_error=speed_error,
+        stabiliser=stabiliser,
         controller_settings=controller_settings,
         simulation_settings=settings,
     )

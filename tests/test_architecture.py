@@ -22,13 +22,20 @@ MAY_IMPORT = {
     "virtual_constraints": {"model"},
     "zero_dynamics": {"model", "virtual_constraints", "quadrature"},
     "poincare": {"model", "virtual_constraints", "zero_dynamics"},
+    "phase_energy": {"model", "virtual_constraints", "zero_dynamics", "poincare"},
+    "chebyshev": set(),
     "reversal": {"model", "virtual_constraints", "zero_dynamics", "poincare", "gait"},
+    "reversal_solver": {"model", "virtual_constraints", "poincare", "reversal"},
+    "reversal_certificate": {
+        "model", "virtual_constraints", "zero_dynamics", "poincare", "chebyshev", "reversal_solver",
+    },
     "gait": {"model", "virtual_constraints", "zero_dynamics", "poincare"},
     "design": {
         "model", "quadrature", "virtual_constraints", "zero_dynamics", "poincare", "gait", "simulation", "walking",
     },
     "library": {"model", "design", "gait"},
-    "control": {"model", "virtual_constraints", "gait", "quadratic_program"},
+    "control": {"model", "virtual_constraints", "gait", "quadratic_program", "phase_energy"},
+    "return_map": {"model", "virtual_constraints", "zero_dynamics", "poincare", "phase_energy", "gait", "control"},
     "simulation": {"model", "virtual_constraints", "control"},
 }  # fmt: skip
 

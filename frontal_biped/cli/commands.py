@@ -14,13 +14,14 @@ from frontal_biped.analysis import analyze
 from frontal_biped.cli.demo import make_demo
 from frontal_biped.cli.main import SUCCESS, TASK_FAILED
 from frontal_biped.cli.progress import Progress
-from frontal_biped.design import default_specification, design_gait, read_specification
+from frontal_biped.design import default_specification, design_gait, load_specification
 from frontal_biped.exceptions import FrontalBipedError, GaitFileError
 from frontal_biped.files import require_folder, require_parent, write_text
 from frontal_biped.gait import Gait, gait_from_dict, load_gait, save_gait
 from frontal_biped.library import build_library, dask_executor, read_sweep, worker_processes
 from frontal_biped.model import FrontalBiped, load_robot
-from frontal_biped.simulation import Trajectory, load_trajectory, save_trajectory
+from frontal_biped.robustness import robustness_card
+from frontal_biped.simulation import Disturbances, Trajectory, load_trajectory, save_trajectory
 from frontal_biped.walking import simulate
 
 VIEWED_STEPS = 6
@@ -38,7 +39,7 @@ def run_demo(arguments: argparse.Namespace) -> int:
 def run_design(arguments: argparse.Namespace) -> int:
     """`frontal-biped design`."""
     biped = load_robot(arguments.robot)
-    specification = default_specification(biped) if arguments.spec is None else read_specification(arguments.spec)
+    specification = default_specification(biped) if arguments.spec is None else load_specification(arguments.spec)
     if arguments.output is not None:
         require_parent(arguments.output)
     with Progress("designing:") as progress:
@@ -106,8 +107,16 @@ def _executor(arguments: argparse.Namespace) -> AbstractContextManager[Executor 
 def run_analyze(arguments: argparse.Namespace) -> int:
     """`frontal-biped analyze`."""
     gait = load_gait(arguments.gait)
-    analysis = analyze(_robot_of(gait, arguments), gait)
-    _emit(arguments, analysis.as_dict(), str(analysis))
+    biped = _robot_of(gait, arguments)
+    with Progress("analysing:") as progress:
+        progress.update("orbit, reversal and certificate")
+        analysis = analyze(biped, gait)
+        card = robustness_card(biped, gait, on_progress=progress.update) if arguments.robustness else None
+    table, text = analysis.as_dict(), str(analysis)
+    if card is not None:
+        table["robustness"] = card.as_dict()
+        text += f"\n\n{card}"
+    _emit(arguments, table, text)
     return SUCCESS if analysis.certified else TASK_FAILED
 
 
@@ -118,7 +127,8 @@ def run_simulate(arguments: argparse.Namespace) -> int:
     if arguments.output is not None:
         require_parent(arguments.output)
     period = None if arguments.continuous else 1.0 / arguments.rate
-    run = _walk(biped, gait, arguments.steps, period, arguments.speed_error)
+    disturbances = Disturbances(arguments.encoder_noise, arguments.torque_noise, seed=arguments.seed)
+    run = _walk(biped, gait, arguments.steps, period, arguments.speed_error, arguments.stabiliser, disturbances)
     if arguments.output is not None:
         save_trajectory(run, arguments.output)
     _emit(
@@ -190,7 +200,15 @@ def _robot_of(gait: Gait, arguments: argparse.Namespace) -> FrontalBiped:
     return biped
 
 
-def _walk(biped: FrontalBiped, gait: Gait, steps: int, period: float | None, speed_error: float = 0.0) -> Trajectory:
+def _walk(
+    biped: FrontalBiped,
+    gait: Gait,
+    steps: int,
+    period: float | None,
+    speed_error: float = 0.0,
+    stabiliser: str = "adaptive",
+    disturbances: Disturbances | None = None,
+) -> Trajectory:
     with Progress("walking: step", steps) as progress:
         return simulate(
             biped,
@@ -198,6 +216,8 @@ def _walk(biped: FrontalBiped, gait: Gait, steps: int, period: float | None, spe
             steps=steps,
             period=period,
             speed_error=speed_error,
+            stabiliser=stabiliser,
+            disturbances=disturbances,
             on_step=lambda done: progress.update("", done),
         )
 

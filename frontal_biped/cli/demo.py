@@ -11,12 +11,14 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.analysis import GaitAnalysis, analyze
-from frontal_biped.design import DesignResult, default_specification, design_gait
+from frontal_biped.design import DesignResult, default_specification, design_gait, load_specification
 from frontal_biped.exceptions import DesignFailedError
 from frontal_biped.files import require_folder, write_json
 from frontal_biped.gait import Gait, save_gait
 from frontal_biped.model import FrontalBiped
 from frontal_biped.provenance import software_versions
+from frontal_biped.robustness import INSTANTS, RobustnessCard, robustness_card
+from frontal_biped.sensitivity import SensitivityExperiment, reversal_sensitivity
 from frontal_biped.simulation import Trajectory, save_trajectory
 from frontal_biped.walking import SpeedErrorOutcome, simulate, simulated_multiplier, speed_error_outcome
 
@@ -26,6 +28,9 @@ CONTROL_PERIOD = 1e-3  # [s]
 COMPARED_PERIODS = (4e-3, 2e-3, 1e-3)  # [s], for the order of the sampling error
 COMPARED_STEPS = 1
 SPEED_ERRORS = (+0.001, -0.001)
+REVERSAL_ERRORS = (-1e-3, -1e-4, -1e-5, -1e-6, 1e-6, 1e-5, 1e-4, 1e-3)  # [rad]
+SHOWN_STABILISERS = ("adaptive", "ankle")
+SHOWN_PUSHES = INSTANTS[2:3]
 SPEED_ERROR_STEPS = 4  # the decay by the multiplier shows after a few
 
 Say = Callable[[str], None]
@@ -62,6 +67,8 @@ class DemoReport:
         sampling_order: slope of log error over log period [-].
         multiplier_simulated: slope of the return map of the full model [-].
         speed_errors: what errors in the post-impact speed do.
+        sensitivity: loss of invariance over the error of the reversal.
+        robustness: of the gait, and of the one the specification `robust` gives.
         seconds: wall time by stage [s].
     """
 
@@ -76,6 +83,8 @@ class DemoReport:
     sampling_order: float
     multiplier_simulated: float
     speed_errors: tuple[SpeedErrorOutcome, ...]
+    sensitivity: SensitivityExperiment
+    robustness: dict[str, RobustnessCard]
     seconds: dict[str, float]
 
     @property
@@ -135,12 +144,16 @@ class DemoReport:
                 "multiplier": self.multiplier_simulated,
             },
             "speed_errors": [asdict(outcome) for outcome in self.speed_errors],
+            "sensitivity": self.sensitivity.as_dict(),
+            "robustness": {name: card.as_dict() for name, card in self.robustness.items()},
             "seconds": self.seconds,
         }
 
     def __str__(self) -> str:
         rows = [f"{name:52} {value} {unit}".rstrip() for name, value, unit in self.figures()]
         notes = [f"sensitivity: {outcome}" for outcome in self.speed_errors]
+        for gait, card in self.robustness.items():
+            notes += [f"{gait} gait, {name.strip()}: {text}" for name, text in card.rows()]
         total = sum(self.seconds.values())
         return "\n".join(
             [*rows, *notes, f"written to {self.folder} in {total:.1f} s; open {self.folder / 'report.html'}"]
@@ -213,6 +226,14 @@ def _compute(
         multiplier = simulated_multiplier(biped, gait)
     with timed("sensitivity"):
         outcomes = tuple(speed_error_outcome(biped, gait, error, steps=SPEED_ERROR_STEPS) for error in SPEED_ERRORS)
+        sensitivity = reversal_sensitivity(biped, gait, shifts=REVERSAL_ERRORS)
+    with timed("robustness"):
+        cards = {"this": robustness_card(biped, gait, stabilisers=SHOWN_STABILISERS, instants=(), on_progress=say)}
+        robust = design_gait(biped, load_specification("robust")).gait
+        if robust is not None:
+            cards["robust"] = robustness_card(
+                biped, robust, stabilisers=SHOWN_STABILISERS, instants=SHOWN_PUSHES, on_progress=say
+            )
     periods = np.log([run.period for run in compared])
     errors = np.log([run.worst_output_error for run in compared])
     states = run.post_impact_states()
@@ -228,6 +249,8 @@ def _compute(
         sampling_order=float(np.polyfit(periods, errors, 1)[0]),
         multiplier_simulated=multiplier,
         speed_errors=outcomes,
+        sensitivity=sensitivity,
+        robustness=cards,
         seconds=seconds,
     )
     return report, run, gait
@@ -240,17 +263,30 @@ def _sampled(biped: FrontalBiped, gait: Gait, period: float, steps: int) -> Samp
 
 def _draw(biped: FrontalBiped, gait: Gait, run: Trajectory, report: DemoReport, folder: Path) -> None:
     from frontal_biped.visualisation import report_page, write_figures
+    from frontal_biped.visualisation.figures import write_figure
+    from frontal_biped.visualisation.robustness_figures import ROBUSTNESS_FIGURES, return_map, sensitivity
 
     paths = write_figures(folder / "figures", biped, gait, run)
+    paths += write_figure(folder / "figures", "sensitivity", sensitivity(report.sensitivity.runs))
+    card = list(report.robustness.values())[-1]
+    paths += write_figure(folder / "figures", "return_map", return_map(card))
+    drawn = [
+        (ROBUSTNESS_FIGURES.get(path.stem, path.stem), path.read_text(encoding="utf-8"))
+        for path in paths
+        if path.suffix == ".svg"
+    ]
     page = report_page(
         biped,
         run.first_steps(PAGE_STEPS),
-        [(path.stem, path.read_text(encoding="utf-8")) for path in paths if path.suffix == ".svg"],
+        drawn,
         title=f"{biped.name}: a certified frontal gait",
         numbers=report.figures(),
         constraints=[
             (c.code, c.name, f"{c.value:.5g}", f"{c.bound:.4g}", f"{c.margin:.3g}", c.unit)
             for c in report.analysis.constraints.checks
+        ],
+        robustness=[
+            (f"{name} gait", [(row, text) for row, text in card.rows()]) for name, card in report.robustness.items()
         ],
         notes=[
             "Sensitivity, with the paper's fixed transition at the planned reversal:",

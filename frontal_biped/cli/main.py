@@ -102,7 +102,9 @@ def _parser() -> argparse.ArgumentParser:
         "frontal-biped design --robot frontal_biped --spec spec.toml -o gait.json",
     )
     add_robot(design, "frontal_biped")
-    design.add_argument("--spec", metavar="S.toml", type=Path, help="gait specification; default: what suits the robot")
+    design.add_argument(
+        "--spec", metavar="S", help="gait specification (.toml), or `robust`; default: what suits the robot"
+    )
     design.add_argument("--start", metavar="G.json", type=Path, help="gait to start from; default: a swayed stand")
     design.add_argument(
         "--attempts",
@@ -134,6 +136,11 @@ def _parser() -> argparse.ArgumentParser:
         "frontal-biped analyze gait.json",
     )
     analyze.add_argument("gait", metavar="G.json", type=Path, help="gait file")
+    analyze.add_argument(
+        "--robustness",
+        action="store_true",
+        help="add the robustness card: speeds that return and pushes survived, some minutes",
+    )
     add_robot(analyze, None)
     add_json(analyze)
     analyze.set_defaults(run=_Run("analyze"))
@@ -162,6 +169,21 @@ def _parser() -> argparse.ArgumentParser:
         default=0.0,
         help="relative error of the first speed; default: 0",
     )
+    simulate.add_argument(
+        "--stabiliser",
+        metavar="NAME",
+        default="adaptive",
+        help="fixed, adaptive, ankle, step, step-lqr or ankle+step; default: adaptive",
+    )
+    for name, unit in (("encoder", "rad"), ("torque", "relative")):
+        simulate.add_argument(
+            f"--{name}-noise",
+            metavar="S",
+            type=_not_negative_float,
+            default=0.0,
+            help=f"standard deviation, {unit}; default: 0",
+        )
+    simulate.add_argument("--seed", metavar="N", type=_whole_number, default=0, help="of the noise; default: 0")
     simulate.add_argument("-o", "--output", metavar="RUN.npz", type=Path, help="run file to write")
     add_json(simulate)
     simulate.set_defaults(run=_Run("simulate"))
@@ -243,3 +265,16 @@ def _finite_float(text: str) -> float:
     if not abs(value) < float("inf"):
         raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
     return value
+
+
+def _not_negative_float(text: str) -> float:
+    value = _finite_float(text)
+    if value < 0.0:
+        raise argparse.ArgumentTypeError(f"{text!r} is negative")
+    return value
+
+
+def _whole_number(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number")
+    return int(text)

@@ -5,9 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.transitions import AdaptiveTransitions, FixedTransitions, Stabiliser
 from frontal_biped.control.walking_qp import DDQ, FORCE, ContactLimits, Targets, U, WalkingQp
+from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.phase_energy import Landed
 from frontal_biped.quadratic_program import ProxQpSolver, QpSolution
 from frontal_biped.virtual_constraints.phase import Phase, StepPhase
 
@@ -71,13 +74,21 @@ class QpController:
         biped: the robot.
         gait: what to track.
         settings: gains and limits; default: those of the gait's specification.
+        stabiliser: chooses the virtual constraints of each phase; default: the paper's fixed ones.
 
     Attributes:
         ticks: commands given.
         unsolved: of these, programs that did not reach their accuracy.
+        declined: phases for which the stabiliser had no answer, walked as `AdaptiveTransitions` would.
     """
 
-    def __init__(self, biped: FrontalBiped, gait: Gait, settings: ControllerSettings | None = None) -> None:
+    def __init__(
+        self,
+        biped: FrontalBiped,
+        gait: Gait,
+        settings: ControllerSettings | None = None,
+        stabiliser: Stabiliser | None = None,
+    ) -> None:
         self.biped = biped
         self.gait = gait
         self.settings = settings or ControllerSettings.for_gait(gait)
@@ -92,7 +103,28 @@ class QpController:
         self._kd = 2.0 * self.settings.damping * self.settings.frequency
         self.ticks = 0
         self.unsolved = 0
+        self.declined = 0
         self._last: Command | None = None
+        self.stabiliser: Stabiliser = FixedTransitions(gait) if stabiliser is None else stabiliser
+        self._fallback = AdaptiveTransitions(biped, gait)
+        self._phases = {StepPhase.RISING: gait.rising, StepPhase.FALLING: gait.falling}
+
+    def begin(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> None:
+        """A phase begins at q (4,) [rad], dq (4,) [rad/s]: ask the stabiliser for its virtual constraints."""
+        self._phases[phase] = self._next_phase(self.stabiliser, phase, q, dq)
+
+    def _next_phase(self, stabiliser: Stabiliser, phase: StepPhase, q: FloatArray, dq: FloatArray) -> Phase:
+        rate = float(dq[0])
+        try:
+            if phase is StepPhase.FALLING:
+                return stabiliser.falling(self._phases[StepPhase.RISING], float(q[0]))
+            slope = dq[1:] / rate if rate else np.zeros(3)
+            return stabiliser.rising(Landed(q.copy(), slope, rate))
+        except (ReversalError, UnreachablePoseError):
+            if stabiliser is self._fallback:
+                return self.gait.rising if phase is StepPhase.RISING else self.gait.falling
+            self.declined += 1
+            return self._next_phase(self._fallback, phase, q, dq)
 
     def command(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> Command:
         """Torques at a state.
@@ -127,5 +159,5 @@ class QpController:
         return self._solver.solve(program, guess=self._qp.unconstrained())
 
     def phase(self, phase: StepPhase) -> Phase:
-        """Virtual constraints of a phase."""
-        return self.gait.rising if phase is StepPhase.RISING else self.gait.falling
+        """Virtual constraints of a phase, as the stabiliser last chose them."""
+        return self._phases[phase]

@@ -29,8 +29,11 @@ RESIDUAL_TOLERANCE = 1e-9
 SPREAD = 0.5
 """Standard deviation of the starts of a multi-start, in units of the variables' scales."""
 
-FEASIBILITY = SqpSettings(stop_when_feasible=True)
+FEASIBILITY = SqpSettings(stop_when_feasible=True, max_iterations=150)
 """Settings that ask whether a step exists, not what it costs."""
+
+RESCUES = 2
+"""Further starts that are tried before a specification is called impossible."""
 
 Progress = Callable[[int, float, float], None]
 
@@ -85,7 +88,7 @@ def design_gait(
         start: a gait, or (P,) variables of `DesignProblem`, to start from; default: the problem's own start.
         attempts: designs from as many starts, the further ones drawn at random (``seed`` of the specification) around
             the default; the cheapest gait is kept.
-        fall_back: where a given start leads nowhere, try the problem's own start as well.
+        fall_back: where a start leads nowhere, try the problem's own start and two random ones as well.
         advise: where there is no gait, look for a remedy; it takes a few designs more.
         on_progress: called with iteration, J [N^2 m s] and largest scaled violation.
 
@@ -111,6 +114,8 @@ def design_gait(
         if number >= attempts and (not fall_back or any(candidate.good for candidate in candidates)):
             break  # the default start only stands in for a start that led nowhere
         candidates.append(design.run(x))
+    if fall_back and not any(candidate.good for candidate in candidates):
+        candidates += design.rescue()
     best = min(candidates, key=lambda candidate: (not candidate.good, candidate.figure))
     result = design.conclude(best) if best.good else design.explain(best, advise)
     return replace(result, seconds=time.perf_counter() - began)
@@ -129,11 +134,17 @@ def _starts(
         yield default
     rng = np.random.default_rng(spec.seed)
     for _ in range(attempts - 1):
-        x = default + SPREAD * problem.scale() * rng.normal(size=problem.size)
-        x[2] = rng.uniform(*spec.step_width)
-        yield np.clip(x, low, high)
+        yield _drawn(problem, rng)
     if start is not None:
         yield default
+
+
+def _drawn(problem: DesignProblem, rng: np.random.Generator) -> FloatArray:
+    """A random start around the default one, of any step width."""
+    low, high = problem.bounds()
+    x = problem.start() + SPREAD * problem.scale() * rng.normal(size=problem.size)
+    x[2] = rng.uniform(*problem.specification.step_width)
+    return np.clip(x, low, high)
 
 
 class _Candidate(NamedTuple):
@@ -185,6 +196,29 @@ class _Design:
             problem.tighten(report.shortfall)
         return _Candidate(x, result, problem, closed, report, "")
 
+    def rescue(self) -> list[_Candidate]:
+        """Before a specification is called impossible: look for any step from a few more starts, and go on from there.
+
+        Ends with the first gait.
+        """
+        rng = np.random.default_rng([self.spec.seed, 1])
+        found = []
+        for _ in range(RESCUES):
+            x = self._step_from(self.problem, _drawn(self.problem, rng))
+            if x is not None:
+                found.append(self.run(x))
+                if found[-1].good:
+                    break
+        return found
+
+    def _step_from(self, problem: DesignProblem, x: FloatArray) -> FloatArray | None:
+        """Variables of a step that keeps every bound, whatever it costs, in reach of x; None if none was found."""
+        low, high = problem.bounds()
+        result = minimise(problem.evaluate, problem.restored(x), low, high, problem.scale(), FEASIBILITY)
+        self.iterations += result.iterations
+        self.evaluations += result.evaluations
+        return result.x if result.feasible else None
+
     def _progress(self) -> Progress | None:
         on_progress, done = self.on_progress, self.iterations
         if on_progress is None:
@@ -232,17 +266,12 @@ class _Design:
         more = f" and {len(causes) - 4} more" if len(causes) > 4 else ""
         advice = f"; {cure}" if cure else "; no single one of those tried is enough to relax" if advise else ""
         together = "these contradict each other" if len(causes) > 1 else "this contradicts the other constraints"
-        message = f"the specification cannot be met, {together}: {listed}{more}{advice}"
+        message = f"no gait was found; where the search ended {together}: {listed}{more}{advice}"
         return replace(self._result(None, candidate, message), conflicts=causes, remedy=cure)
 
     def _feasible(self, changed: GaitSpecification, x: FloatArray) -> bool:
         """Does a step exist under another specification, in reach of x?"""
-        problem = DesignProblem(self.biped, changed, OPTIMISER_NODES, SAFETY)
-        low, high = problem.bounds()
-        result = minimise(problem.evaluate, problem.restored(x), low, high, problem.scale(), FEASIBILITY)
-        self.iterations += result.iterations
-        self.evaluations += result.evaluations
-        return result.feasible
+        return self._step_from(DesignProblem(self.biped, changed, OPTIMISER_NODES, SAFETY), x) is not None
 
     def _result(
         self, gait: Gait | None, candidate: _Candidate, message: str, verification: Verification | None = None

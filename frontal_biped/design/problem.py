@@ -44,6 +44,9 @@ still has a cost and a gradient; a gait has values of about 10."""
 WORKABLE = 30.0
 """Scaled violation up to which linearised constraints lead anywhere: thirty times a typical size."""
 
+COLUMN_REACH = 3.0
+"""How far a Bezier column may be from that of the start [rad]."""
+
 RESTORATIONS = 12
 """Halvings of the way from a start without an orbit to the default start."""
 
@@ -127,11 +130,11 @@ class DesignProblem:
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Lower and upper bounds (P,) of the variables.
 
-        Angles may leave the start by 0.9 rad; beyond that a leg would be horizontal. The FRI coefficients may lie
-        anywhere within three soles, since only the polynomial, not its coefficients, has to stay in the sole.
+        Bezier columns may leave the start by 3 rad and FRI coefficients the middle of the sole by three of its halves,
+        since only the polynomials, not their coefficients, have to stay in the robot's limits.
         """
         start = self.start()
-        low, high = start - 0.9, start + 0.9
+        low, high = start - COLUMN_REACH, start + COLUMN_REACH
         low[:2], high[:2] = start[:2] - 0.15, start[:2] + 0.15
         low[2], high[2] = self.specification.step_width
         outer, inner = self.biped.sole
@@ -290,9 +293,12 @@ def _surplus(joint_bezier: FloatArray, degrees: tuple[int, int, int]) -> list[Fl
 
 @lru_cache(maxsize=64)
 def _leading(M: int, degree: int) -> FloatArray:
-    """(M - degree, M + 1) differences of order degree + 1 .. M of M + 1 coefficients, the first of each order."""
+    """(M - degree, M + 1) rows that vanish on the M + 1 coefficients of a polynomial of the lower degree.
+
+    They span the differences of order degree + 1 .. M, which grow like binomials; orthonormal rows do not.
+    """
     rows = [np.diff(np.eye(M + 1), n=order, axis=0)[0] for order in range(degree + 1, M + 1)]
-    return np.array(rows)
+    return np.ascontiguousarray(np.linalg.qr(np.array(rows).T)[0].T)
 
 
 _LANDING_PARTS = (slice(0, 4), slice(4, 7), slice(7, 9), slice(9, 11))

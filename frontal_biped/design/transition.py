@@ -13,7 +13,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.closing import close_step
 from frontal_biped.design.constraints import Constraint, SoleHeights, step_constraints
 from frontal_biped.design.optimise import OPTIMISER_NODES, SAFETY, TIGHTENING_ROUNDS
-from frontal_biped.design.problem import DesignProblem
+from frontal_biped.design.problem import COLUMN_REACH, DesignProblem
 from frontal_biped.design.report import ConstraintReport, check_constraints
 from frontal_biped.design.specification import GaitSpecification
 from frontal_biped.design.trust_region_sqp import SqpSettings, minimise
@@ -95,7 +95,7 @@ class TransitionProblem(DesignProblem):
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Bounds (P,): what the second gait's landing fixes is held."""
         around = 0.5 * (self.variables(self.before) + self.variables(self.after))
-        low, high = around - 0.9, around + 0.9
+        low, high = around - COLUMN_REACH, around + COLUMN_REACH
         low[0], high[0] = around[0] - 0.15, around[0] + 0.15
         outer, inner = self.biped.sole
         fri = slice(self._splits[2], None)

@@ -199,7 +199,9 @@ class _Iteration:
         settings = self.settings
         converged, message, count = False, "the iteration limit was reached", 0
         settled = np.inf  # violation where the iteration settled under the last penalty
-        if not (_violation(self.point) < OUTSIDE_DOMAIN and np.isfinite(self.point.cost)):
+        if not (
+            _violation(self.point) < OUTSIDE_DOMAIN and np.isfinite(self._merit(self.point) + np.sum(self.hessian))
+        ):
             message = "the start is outside the domain of the problem"
             violation = _violation(self.point)
             return SqpResult(self.x, self.point.cost, violation, 0, self.evaluations, False, False, message)
@@ -342,7 +344,7 @@ class _Iteration:
 
     def _price(self, violation: float) -> float:
         """Of a violation t: rho (t + t^2/2). The square keeps the subproblem strictly convex in the slack."""
-        return self.penalty * (violation + 0.5 * violation**2)
+        return self.penalty * (violation + 0.5 * violation * violation)
 
     def _linear_violation(self, step: FloatArray) -> float:
         """Largest violation of the linearised constraints after a step."""

@@ -1,11 +1,14 @@
 """Simulation of the full model in closed loop."""
 
+from frontal_biped.simulation.disturbances import Disturbances, Push
 from frontal_biped.simulation.hybrid_system import EventKind
 from frontal_biped.simulation.simulate import SimulationSettings, simulate_walk
 from frontal_biped.simulation.trajectory import Trajectory, load_trajectory, save_trajectory
 
 __all__ = [
+    "Disturbances",
     "EventKind",
+    "Push",
     "SimulationSettings",
     "Trajectory",
     "load_trajectory",

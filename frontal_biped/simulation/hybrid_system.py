@@ -25,6 +25,7 @@ class EventKind(Enum):
 
     REVERSAL = "reversal"
     IMPACT = "impact"
+    TURNED_OUTWARDS = "pushed outwards again while falling"
     EARLY_LANDING = "the swing foot touched the ground before the reversal"
     TIPPED_OUTWARDS = "the robot tipped over its stance foot, away from the swing foot"
     COLLAPSED = "the centre of mass dropped below 60 % of its upright height"
@@ -85,6 +86,7 @@ def walking_guards(biped: FrontalBiped) -> Guards:
         ),
         falling=(
             Guard(EventKind.IMPACT, clearance, -1),
+            Guard(EventKind.TURNED_OUTWARDS, speed, +1),
             *fallen,
         ),
     )

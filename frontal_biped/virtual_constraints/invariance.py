@@ -201,3 +201,22 @@ def invariance_residuals(biped: FrontalBiped, rising: Phase, falling: Phase, ste
         "reversal_slope": relative(end.dq[0], start.dq[1]),
         "reversal_fri": float(abs(start.p_fri[1] - end.p_fri[0])),
     }
+
+
+def free_parameters(rising: Phase, falling: Phase, step_width: float) -> FreeParameters:
+    """What a completed gait leaves free: the inverse of `complete`.
+
+    Args:
+        rising: the rising phase.
+        falling: the falling phase.
+        step_width: distance between the ankles [m].
+    """
+    return FreeParameters(
+        beta_reversal=rising.beta_end,
+        beta_impact=falling.beta_end,
+        step_width=step_width,
+        rising_columns=rising.joint_bezier[:, 2:],
+        falling_columns=falling.joint_bezier[:, 2:-1],
+        rising_fri=rising.fri_bezier,
+        falling_fri=falling.fri_bezier[1:],
+    )

@@ -30,6 +30,7 @@ __all__ = [
     "snapshots",
     "swing_foot_height",
     "torques",
+    "write_figure",
     "write_figures",
 ]
 
@@ -98,9 +99,15 @@ def write_figures(
     """
     written = []
     for name, figure in all_figures(biped, gait, trajectory):
-        vector, raster = Path(directory) / f"{name}.svg", Path(directory) / f"{name}.png"
-        write_text(vector, figure_svg(figure) + "\n")
-        with atomic_path(raster) as temporary:
-            figure.savefig(temporary, format="png", dpi=160)
-        written += [vector, raster]
+        written += write_figure(directory, name, figure)
     return written
+
+
+@styled
+def write_figure(directory: Path | str, name: str, figure: "Figure") -> list[Path]:
+    """Write one figure as SVG and PNG; returns both files."""
+    vector, raster = Path(directory) / f"{name}.svg", Path(directory) / f"{name}.png"
+    write_text(vector, figure_svg(figure) + "\n")
+    with atomic_path(raster) as temporary:
+        figure.savefig(temporary, format="png", dpi=160)
+    return [vector, raster]

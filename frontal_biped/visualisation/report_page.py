@@ -24,6 +24,7 @@ def report_page(
     figures: Sequence[tuple[str, str]],
     numbers: Sequence[NumberRow] = (),
     constraints: Sequence[ConstraintRow] = (),
+    robustness: Sequence[tuple[str, Sequence[tuple[str, str]]]] = (),
     notes: Sequence[str] = (),
     title: str | None = None,
     subtitle: str = "",
@@ -36,6 +37,7 @@ def report_page(
         figures: (caption, or a name of `FIGURES` that stands for its caption; SVG element from `figure_svg`).
         numbers: key numbers.
         constraints: constraint table.
+        robustness: (gait, rows of name and text) of robustness cards.
         notes: paragraphs of plain text.
         title: of the page; None: the robot's name.
         subtitle: a line below it.
@@ -53,7 +55,7 @@ def report_page(
         animation=html.escape(animation, quote=True),
         numbers=_numbers_table(numbers),
         constraints=_constraint_table(constraints),
-        notes=_notes(notes),
+        notes=_robustness_tables(robustness) + _notes(notes),
         figures="\n".join(
             f"<figure>\n{svg}\n<figcaption>{html.escape(FIGURES.get(caption, caption))}</figcaption>\n</figure>"
             for caption, svg in figures
@@ -91,6 +93,22 @@ def _constraint_table(rows: Sequence[ConstraintRow]) -> str:
         f'<section id="constraints">\n<h2>Constraints</h2>\n<div class="scroll"><table>\n'
         f"<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table></div>\n</section>"
     )
+
+
+def _robustness_tables(cards: Sequence[tuple[str, Sequence[tuple[str, str]]]]) -> str:
+    if not cards:
+        return ""
+    tables = []
+    for gait, rows in cards:
+        body = "\n".join(
+            f'<tr><th scope="row">{html.escape(name.strip())}</th><td class="text">{html.escape(text)}</td></tr>'
+            for name, text in rows
+        )
+        tables.append(
+            f'<h3>{html.escape(gait)}</h3>\n<div class="scroll"><table>\n<tbody>\n{body}\n</tbody>\n</table></div>'
+        )
+    joined = "\n".join(tables)
+    return f'<section id="robustness">\n<h2>Robustness</h2>\n{joined}\n</section>\n'
 
 
 def _notes(notes: Sequence[str]) -> str:

@@ -17,6 +17,8 @@ FIGURES = {
     "torques",
     "ground_reaction",
     "swing_foot_height",
+    "sensitivity",
+    "return_map",
 }
 
 pytestmark = pytest.mark.slow
@@ -91,3 +93,14 @@ def test_it_can_be_repeated_into_the_same_folder_and_keeps_other_files(folder, m
     monkeypatch.setattr("frontal_biped.cli.demo.STEPS", 1)
     assert main(["demo", "--out", str(folder)]) == 2
     assert {path: path.stat().st_mtime_ns for path in folder.rglob("*")} == before
+
+
+def test_robustness_is_reported(report, folder):
+    assert {run["stabiliser"] for run in report["sensitivity"]["runs"]} == {"fixed", "adaptive"}
+    card = report["robustness"]["robust"]
+    assert card["basins"]["ankle"]["low"] <= 0.4
+    assert card["basins"]["ankle"]["high"] >= 1.8
+    assert card["pushes"]
+    page = (folder / "report.html").read_text()
+    assert "<h2>Robustness</h2>" in page
+    assert "largest" in page or "push outwards" in page

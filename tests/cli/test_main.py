@@ -82,6 +82,30 @@ class TestGoodInput:
         assert main(["simulate", str(gait), "--steps", "2", "--json"]) == 0
         assert json.loads(capsys.readouterr().out)["steps_completed"] == 2
 
+    def test_robust_gait_walks_in_noise_from_a_wrong_speed(self, tmp_path, capsys):
+        gait = tmp_path / "robust.json"
+        assert main(["design", "--spec", "robust", "-o", str(gait)]) == 0
+        assert load_gait(gait).specification["fri_margin"] == 0.03
+        noise = ["--encoder-noise", "1e-4", "--torque-noise", "0.01", "--seed", "3"]
+        walk = ["simulate", str(gait), "--steps", "2", "--speed-error", "0.5", "--stabiliser", "ankle", *noise]
+        capsys.readouterr()
+        assert main([*walk, "--json"]) == 0
+        settings = json.loads(capsys.readouterr().out)["settings"]
+        assert settings["disturbances"]["encoder_noise"] == 1e-4
+        assert settings["disturbances"]["seed"] == 3
+        assert settings["controller"]["stabiliser"] == "ankle"
+
+    def test_bad_stabilisers_and_noise_get_one_line(self, tmp_path, capsys):
+        gait = tmp_path / "gait.json"
+        assert main(["design", "--spec", "robust", "-o", str(gait)]) == 0
+        capsys.readouterr()
+        assert main(["simulate", str(gait), "--stabiliser", "magic"]) == 2
+        assert "no stabiliser 'magic'; known: fixed, adaptive" in one_line(capsys)
+        assert main(["simulate", str(gait), "--continuous", "--encoder-noise", "1e-4"]) == 2
+        assert "give a control period" in one_line(capsys)
+        assert main(["design", "--spec", "robst"]) == 2
+        assert "did you mean 'robust'" in one_line(capsys)
+
     def test_design_follows_the_specification(self, tmp_path, capsys):
         spec = tmp_path / "spec.toml"
         spec.write_text("max_pelvis_roll = 0.05\nstep_width = [0.2, 0.3]\n")

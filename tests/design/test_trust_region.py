@@ -192,3 +192,28 @@ def test_stop_at_the_first_feasible_point():
     assert result.feasible and not result.converged
     assert result.violation <= FEASIBLE
     assert result.iterations < solve(rosenbrock(margins=inside), (3.0, 3.0)).iterations
+
+
+@pytest.mark.parametrize("part", ["cost", "margins", "residual_jacobian"])
+def test_start_without_a_value_is_a_result(part):
+    """Not a number, or a number beyond all sense, at the start: said, not raised."""
+    inner = rosenbrock()
+
+    def evaluate(x):
+        point = inner(x)
+        return point._replace(**{part: getattr(point, part) * float("nan")})
+
+    result = solve(evaluate, (1.0, 1.0))
+    assert not result.feasible or not result.converged
+    assert "outside the domain" in result.message
+
+
+def test_violation_beyond_all_floats_is_stepped_back_from():
+    """A margin of -1e200 beyond x = 1.5: its square is no number, and the iteration goes on."""
+    inner = rosenbrock()
+
+    def evaluate(x):
+        point = inner(x)
+        return point if x[0] < 1.5 else point._replace(margins=np.array([-1e200]))
+
+    assert solve(evaluate, (-1.2, 1.0)).x == pytest.approx([1.0, 1.0], abs=ANSWER)

@@ -18,6 +18,9 @@ class ConstantTorque:
         self.y = np.zeros(3)
         self.p_fri_target = 0.0
 
+    def begin(self, phase, q, dq):
+        pass
+
     def command(self, phase, q, dq):
         return self
 

@@ -119,3 +119,34 @@ def test_missing_matplotlib_names_the_extra(biped, orbit, monkeypatch):
     monkeypatch.setattr(builtins, "__import__", without_matplotlib)
     with pytest.raises(MissingExtraError, match=r"pip install 'frontal-biped\[plot\]'"):
         figures.torques(biped, orbit)
+
+
+def test_robustness_figures_are_labelled():
+    from frontal_biped.return_map import Basin
+    from frontal_biped.robustness import RobustnessCard
+    from frontal_biped.sensitivity import LossOfInvariance
+    from frontal_biped.visualisation.robustness_figures import return_map, sensitivity
+
+    runs = [
+        LossOfInvariance(name, shift, shift, 10.0 * shift**2 if name == "fixed" else 1e-9, "completed")
+        for name in ("fixed", "adaptive")
+        for shift in (-1e-3, -1e-5, 1e-5, 1e-3)
+    ]
+    drawn = sensitivity(runs)
+    assert all(UNIT.search(ax.get_xlabel()) and ax.has_data() for ax in drawn.get_axes())
+    speeds = np.linspace(0.5, 1.5, 11)
+    card = RobustnessCard(
+        gait_multiplier=0.8,
+        slopes={"adaptive": (0.8, 0.8)},
+        basins={"adaptive": Basin(0.6, 1.4, "", "")},
+        sensitivity_norm={"adaptive": 1.7},
+        barrier_margin=1.0,
+        sampled_speeds=tuple(speeds),
+        sampled_maps={"adaptive": tuple(1.0 + 0.8 * (speeds - 1.0))},
+        push_stabiliser="ankle",
+        pushes=(),
+    )
+    ax = return_map(card).get_axes()[0]
+    assert ax.has_data()
+    assert UNIT.search(ax.get_xlabel())
+    assert UNIT.search(ax.get_ylabel())

@@ -1,0 +1,31 @@
+"""Every stabiliser by name."""
+
+from collections.abc import Callable
+
+from frontal_biped.control.ankle_law import AnkleLaw
+from frontal_biped.control.step_law import StepLaw, StepRule
+from frontal_biped.control.transitions import AdaptiveTransitions, FixedTransitions, Stabiliser
+from frontal_biped.exceptions import SimulationError
+from frontal_biped.gait import Gait
+from frontal_biped.model.biped import FrontalBiped
+
+STABILISERS: dict[str, Callable[[FrontalBiped, Gait], Stabiliser]] = {
+    "fixed": lambda biped, gait: FixedTransitions(gait),
+    "adaptive": AdaptiveTransitions,
+    "ankle": AnkleLaw,
+    "step": StepLaw,
+    "step-lqr": lambda biped, gait: StepLaw(biped, gait, rule=StepRule.LQR),
+    "ankle+step": lambda biped, gait: StepLaw(biped, gait, ankle=AnkleLaw(biped, gait)),
+}
+"""The paper's transitions, reversal-adaptive ones alone, and each law on top of those."""
+
+
+def make_stabiliser(name: str, biped: FrontalBiped, gait: Gait) -> Stabiliser:
+    """A stabiliser by name.
+
+    Raises:
+        SimulationError: the name is unknown.
+    """
+    if name not in STABILISERS:
+        raise SimulationError(f"no stabiliser {name!r}; known: {', '.join(STABILISERS)}")
+    return STABILISERS[name](biped, gait)
