@@ -43,7 +43,7 @@ class GaitAnalysis:
         reversal: where it reverses.
         residuals: of the gait, see `Gait.residuals`.
         constraints: C01..C09 on the dense grid.
-        certificate: existence, number and uniqueness of the reversal point; None where no step exists.
+        certificate: existence, number and uniqueness of the reversal point; None where no step exists, or not asked.
     """
 
     robot: str
@@ -128,13 +128,16 @@ class GaitAnalysis:
         return "\n".join(f"{name:26} {value}" for name, value in rows) + "\n\n" + str(self.constraints)
 
 
-def analyze(biped: FrontalBiped, gait: Gait, specification: GaitSpecification | None = None) -> GaitAnalysis:
+def analyze(
+    biped: FrontalBiped, gait: Gait, specification: GaitSpecification | None = None, *, certify: bool = True
+) -> GaitAnalysis:
     """Analyse a gait in closed form.
 
     Args:
         biped: the robot.
         gait: the gait.
         specification: bounds to check against; default: those the gait was designed for.
+        certify: count the reversal points as well? It takes a few seconds.
 
     Returns:
         Orbit, reversal, residuals and constraints.
@@ -149,7 +152,7 @@ def analyze(biped: FrontalBiped, gait: Gait, specification: GaitSpecification | 
     hzd = HybridZeroDynamics(biped, step)
     problem = ReversalProblem.of_phases(biped, gait.rising, gait.falling, gait.step_width, nodes)
     try:
-        certificate = certify_reversal(problem)
+        certificate = certify_reversal(problem) if certify else None
     except ReversalError:
         certificate = None
     return GaitAnalysis(

@@ -168,7 +168,7 @@ class ReversalCertificate:
         return Verdict.CERTIFIED if abs(self.contraction) < 1.0 else Verdict.REFUTED
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
+        """For JSON; numbers that do not exist are null."""
         table = asdict(self)
         for name in ("fixed", "self_consistent"):
             count: ZeroCount = getattr(self, name)
@@ -176,7 +176,7 @@ class ReversalCertificate:
         for name in ("condition_a", "condition_b"):
             table[name]["verdict"] = getattr(self, name).verdict.value
         table["successive_approximation_converges"] = self.successive_approximation_converges.value
-        return table
+        return {key: _for_json(value) for key, value in table.items()}
 
     def rows(self) -> list[tuple[str, str]]:
         """(name, text) for a report."""
@@ -208,6 +208,14 @@ class ReversalCertificate:
                 " post-impact energy more would tip the robot in the pose of the reversal",
             ),
         ]
+
+
+def _for_json(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _for_json(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_for_json(part) for part in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def certify_reversal(problem: ReversalProblem) -> ReversalCertificate:

@@ -30,6 +30,7 @@ for arguments in (
     ["simulate", "gait.json", "--steps", "2", "-o", "run.npz"],
     ["view", "run.npz", "--html", "page.html"],
     ["plot", "run.npz", "-o", "figures"],
+    ["design", "--spec", "robust", "-o", "robust.json"],
     ["design", "--robot", "talos_full", "-o", "talos_full.json"],
     ["view", "talos_full.json", "--html", "talos_full.html"],
     ["robots", "--describe", str(fb.load_robot("g1").description.urdf), "-o", "my_g1.toml"],
