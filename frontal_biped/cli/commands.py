@@ -62,10 +62,13 @@ def run_design(arguments: argparse.Namespace) -> int:
         "evaluations": result.evaluations,
         "seconds": result.seconds,
         "output": None if arguments.output is None else str(arguments.output),
+        "asymmetry": biped.asymmetry.as_dict(),
         "constraints": None if result.report is None else result.report.as_dict(),
     }
     effort = f"{result.iterations} iterations, {result.evaluations} evaluations, {result.seconds:.2f} s"
-    _emit(arguments, table, f"{result.report}\n\n{biped.name}: {result.message}\n{effort}; {saved}")
+    share = 100.0 * biped.asymmetry.mass_matrix
+    legs = f"\nlegs averaged; they differ by {share:.2g} % of the mass matrix" if biped.asymmetry.differences else ""
+    _emit(arguments, table, f"{result.report}\n\n{biped.name}: {result.message}{legs}\n{effort}; {saved}")
     return SUCCESS
 
 

@@ -23,7 +23,7 @@ def description_text(
     def head(section: str) -> str:
         return f"[{section}]  # {beside[section]}" if section in beside else f"[{section}]"
 
-    lines = [f"# {note}" for note in notes]
+    lines = [f"# {' '.join(note.split())}" for note in notes]  # a joint's name may hold a line break, a comment not
     lines += [f"name = {_value(description.name)}", f"urdf = {_value(urdf)}"]
     if description.symmetrise:
         lines.append("symmetrise = true" + (f"  # {beside['symmetrise']}" if "symmetrise" in beside else ""))

@@ -21,6 +21,9 @@ degrees off at zero."""
 MIRRORED = 0.03
 """Two legs are a pair if their joints are mirror images to this fraction of the leg's length."""
 
+MOST_JOINTS = 200
+"""Movable joints that are looked at, two chains by two; a humanoid with fingers has 80."""
+
 _LEFT = re.compile(r"(^|_)(l|left)(_|$)|left|^fl_|^l(?=[A-Z])", re.IGNORECASE)
 _RIGHT = re.compile(r"(^|_)(r|right)(_|$)|right|^fr_|^r(?=[A-Z])", re.IGNORECASE)
 
@@ -56,10 +59,17 @@ def find_legs(full: pin.Model, where: str) -> Legs:
     Raises:
         HypothesisError: there is no such pair, there are several, or its feet cannot roll.
     """
+    if full.njoints > MOST_JOINTS:
+        raise HypothesisError(
+            "HR1",
+            f"{where}: {full.njoints - 2} movable joints, at most {MOST_JOINTS} are looked at;"
+            ' make those that do not matter type="fixed"',
+        )
     found: list[tuple[float, int, Legs]] = []
     deepest = 0.0
+    data = full.createData()
     for preference, upright in enumerate(_rotations()):
-        for depth, legs in _pairs(full, upright):
+        for depth, legs in _pairs(full, data, upright):
             found.append((depth, preference, legs))
             deepest = max(deepest, depth)
     if not found:
@@ -101,9 +111,8 @@ def _rotations() -> Iterator[FloatArray]:
         yield np.round(turn @ pin.rpy.rpyToMatrix(*np.asarray(up, dtype=float)))
 
 
-def _pairs(full: pin.Model, upright: FloatArray) -> Iterator[tuple[float, Legs]]:
+def _pairs(full: pin.Model, data: pin.Data, upright: FloatArray) -> Iterator[tuple[float, Legs]]:
     """Mirrored pairs of chains that hang down, and how deep, with the root turned upright."""
-    data = full.createData()
     q = pin.neutral(full)
     q[3:7] = pin.Quaternion(upright).coeffs()
     pin.forwardKinematics(full, data, q)

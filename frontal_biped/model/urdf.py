@@ -14,7 +14,7 @@ from typing import Any, cast
 from frontal_biped.exceptions import RobotError
 
 MAX_URDF_BYTES = 20_000_000  # the largest humanoid URDF seen is 0.3 MB
-MAX_LINKS = 5000  # the largest humanoid URDF seen has 150
+MAX_LINKS = 1000  # the largest humanoid URDF seen has 150; Pinocchio takes seconds for some thousands
 MAX_DEPTH = 40  # of nested elements; a URDF needs 6, and parsers that recurse must not be led deeper
 ROUNDING_INERTIA = 1e-12  # [kg m^2]; CAD exports print -5e-20 for zero
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")

@@ -154,3 +154,17 @@ def test_sole_of_a_box_and_of_spheres(biped):
         sole = measure_sole(full, pin.neutral(full), "left_ankle_roll_joint", description.urdf, text, x)
         assert (sole.heel, sole.toe, sole.ankle_height) == pytest.approx((-0.05, 0.12, 0.035), abs=1e-9)
         assert (sole.right, sole.left) == pytest.approx((half, half), abs=1e-4)
+
+
+def test_names_with_line_breaks_stay_comments(model_files):
+    """XML may hold a line break in a name; in the proposal it must not end a comment."""
+    urdf, description = model_files
+    description.unlink()
+    text = urdf.read_text(encoding="utf-8").replace('name="left_hip"', 'name="left_hip&#10;urdf = 3 #"')
+    urdf.write_text(text, encoding="utf-8")
+    proposal = propose_description(urdf)
+    commented = [
+        line for line in proposal.text.splitlines() if "urdf = 3" in line and not line.startswith("left_hip = ")
+    ]
+    assert commented
+    assert all(line.startswith("#") for line in commented)

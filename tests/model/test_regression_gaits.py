@@ -88,7 +88,7 @@ def test_cost_against_an_independent_optimiser(name):
 @pytest.mark.slow
 def test_it_walks_twenty_steps_with_torques_held_for_a_millisecond(humanoid, gait):
     settings = dataclasses.replace(ControllerSettings.for_gait(gait), frequency=SAMPLED_FREQUENCY)
-    run = simulate(humanoid, gait, steps=20, period=1e-3, controller_settings=settings)
+    run = simulate(humanoid, gait, steps=20, period=1e-3, stabiliser="adaptive", controller_settings=settings)
     assert (run.outcome, run.steps_completed) == ("completed", 20)
     assert np.all(np.abs(run.u) <= humanoid.max_torque + 1e-6)
 

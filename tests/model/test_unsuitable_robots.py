@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -57,7 +58,7 @@ BAD_URDF = {
     "entity bomb": (edited('<?xml version="1.0"?>', ENTITY_BOMB), "DOCTYPE or entity", "remove"),
     "external entity": (edited('<?xml version="1.0"?>', EXTERNAL_ENTITY), "DOCTYPE or entity", "remove"),
     "nested deep": ("<robot name='x'>" + "<a>" * 100_000, "nested more than", "is this a URDF"),
-    "too many links": (many_links(6000), "6000 links", "remove"),
+    "too many links": (many_links(1001), "1001 links", "remove"),
     "mesh climbs out": (edited(SPHERE, MESH.format("package://robot/../../../etc/passwd")), "leaves the", "package://"),
     "mesh climbs out sideways": (edited(SPHERE, MESH.format("../../secret.stl")), "leaves the", "package://"),
     "toolless joint": (edited('effort="150"', 'effort="0"', -1), "no effort limit", "set effort"),
@@ -158,6 +159,21 @@ def test_no_description_for_what_is_no_biped(path, tmp_path, capsys):
     urdf = example_robot_data_dir() / path
     message = refusal(capsys, ["robots", "--describe", urdf, "-o", tmp_path / "robot.toml"], tmp_path)
     assert_says(message, urdf.name, cause, remedy)
+
+
+def test_a_chain_of_hundreds_of_joints_is_not_searched(tmp_path, capsys):
+    inertia = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+    link = '<link name="x{0}"><inertial><mass value="1"/>' + inertia + "</inertial></link>"
+    joint = (
+        '<joint name="j{0}" type="revolute"><parent link="{1}"/><child link="x{0}"/><axis xyz="1 0 0"/>'
+        '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
+    )
+    tail = "".join(link.format(i) + joint.format(i, f"x{i - 1}" if i else "pelvis") for i in range(900))
+    write(tmp_path, edited("</robot>", tail + "</robot>"))
+    began = time.perf_counter()
+    message = refusal(capsys, ["robots", "--describe", tmp_path / "frontal_biped.urdf"], tmp_path)
+    assert time.perf_counter() - began < PATIENCE
+    assert_says(message, "904 movable joints", "fixed")
 
 
 def test_huge_file(tmp_path, capsys):
