@@ -185,23 +185,25 @@ def make_demo(biped: FrontalBiped, folder: Path, on_progress: Say | None = None)
     say = on_progress or (lambda _: None)
     seconds: dict[str, float] = {}
     with tempfile.TemporaryDirectory(prefix="frontal-biped-") as scratch:
-        report, run, gait = _compute(biped, folder, say, seconds)
-        say("drawing figures and page")
-        began = time.perf_counter()
         made = Path(scratch) / "demo"  # with the usual permissions; those of the scratch folder are private
         made.mkdir()
+        report, run, gait, figures = _compute(biped, folder, made / "figures", say, seconds)
+        say("drawing the page")
+        began = time.perf_counter()
         save_gait(gait, made / "gait.json")
         save_trajectory(run, made / "run.npz")
-        _draw(biped, gait, run, report, made)
-        seconds["figures and page"] = time.perf_counter() - began
+        _draw(biped, run, report, figures, made)
+        seconds["page"] = time.perf_counter() - began
         write_json(made / "report.json", report.as_dict())
         shutil.copytree(made, folder, dirs_exist_ok=True)
     return report
 
 
 def _compute(
-    biped: FrontalBiped, folder: Path, say: Say, seconds: dict[str, float]
-) -> tuple[DemoReport, Trajectory, Gait]:
+    biped: FrontalBiped, folder: Path, figures: Path, say: Say, seconds: dict[str, float]
+) -> tuple[DemoReport, Trajectory, Gait, list[Path]]:
+    from frontal_biped.visualisation import write_figures
+
     def timed(stage: str) -> "_Stage":
         say(stage)
         return _Stage(stage, seconds)
@@ -215,9 +217,11 @@ def _compute(
     if design.gait is None:
         raise DesignFailedError(f"{biped.name}: {design.message}")
     gait = design.gait
-    # errors take as long as all the rest: a second process sees to them
-    with worker_processes(1) as executor:
-        strain = executor.submit(_strain, biped, gait)
+    # errors take longer than all the rest: other processes see to them
+    with worker_processes(2) as executor:
+        errors_taken = executor.submit(_take_errors, biped, gait)
+        card = executor.submit(robustness_card, biped, gait, stabilisers=SHOWN_STABILISERS, instants=())
+        robust_card = executor.submit(_robust_card, biped)
         with timed("analysis"):
             analysis = analyze(biped, gait)
         with timed("continuous walk"):
@@ -230,9 +234,13 @@ def _compute(
             compared = tuple(_sampled(biped, gait, period, COMPARED_STEPS, gains) for period in COMPARED_PERIODS)
         with timed("multiplier"):
             multiplier = simulated_multiplier(biped, gait)
+        with timed("figures"):
+            paths = write_figures(figures, biped, gait, run)
         with timed("robustness"):
-            say("robustness, in the second process")
-            outcomes, sensitivity, cards = strain.result()
+            outcomes, sensitivity = errors_taken.result()
+            cards = {"this": card.result()}
+            if (of_robust := robust_card.result()) is not None:
+                cards["robust"] = of_robust
     periods = np.log([run.period for run in compared])
     errors = np.log([run.worst_output_error for run in compared])
     states = run.post_impact_states()
@@ -252,20 +260,21 @@ def _compute(
         robustness=cards,
         seconds=seconds,
     )
-    return report, run, gait
+    return report, run, gait, paths
 
 
-def _strain(
-    biped: FrontalBiped, gait: Gait
-) -> tuple[tuple[SpeedErrorOutcome, ...], SensitivityExperiment, dict[str, RobustnessCard]]:
-    """What errors do to the gait, and to the one that the specification `robust` gives."""
+def _take_errors(biped: FrontalBiped, gait: Gait) -> tuple[tuple[SpeedErrorOutcome, ...], SensitivityExperiment]:
+    """What errors of speed and of the reversal do to the gait."""
     outcomes = tuple(speed_error_outcome(biped, gait, error, steps=SPEED_ERROR_STEPS) for error in SPEED_ERRORS)
-    sensitivity = reversal_sensitivity(biped, gait, shifts=REVERSAL_ERRORS)
-    cards = {"this": robustness_card(biped, gait, stabilisers=SHOWN_STABILISERS, instants=())}
+    return outcomes, reversal_sensitivity(biped, gait, shifts=REVERSAL_ERRORS)
+
+
+def _robust_card(biped: FrontalBiped) -> RobustnessCard | None:
+    """What the gait of the specification `robust` can take; None where the robot has none."""
     robust = design_gait(biped, load_specification("robust")).gait
-    if robust is not None:
-        cards["robust"] = robustness_card(biped, robust, stabilisers=SHOWN_STABILISERS[-1:], instants=SHOWN_PUSHES)
-    return outcomes, sensitivity, cards
+    if robust is None:
+        return None
+    return robustness_card(biped, robust, stabilisers=SHOWN_STABILISERS[-1:], instants=SHOWN_PUSHES)
 
 
 def _sampled(
@@ -275,13 +284,12 @@ def _sampled(
     return SampledRun(period, run.steps_completed, float(np.max(np.abs(run.output_error))))
 
 
-def _draw(biped: FrontalBiped, gait: Gait, run: Trajectory, report: DemoReport, folder: Path) -> None:
-    from frontal_biped.visualisation import report_page, write_figures
+def _draw(biped: FrontalBiped, run: Trajectory, report: DemoReport, paths: list[Path], folder: Path) -> None:
+    from frontal_biped.visualisation import report_page
     from frontal_biped.visualisation.figures import write_figure
     from frontal_biped.visualisation.robustness_figures import ROBUSTNESS_FIGURES, return_map, sensitivity
 
-    paths = write_figures(folder / "figures", biped, gait, run)
-    paths += write_figure(folder / "figures", "sensitivity", sensitivity(report.sensitivity.runs))
+    paths = paths + write_figure(folder / "figures", "sensitivity", sensitivity(report.sensitivity.runs))
     card = list(report.robustness.values())[-1]
     paths += write_figure(folder / "figures", "return_map", return_map(card))
     drawn = [

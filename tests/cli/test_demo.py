@@ -102,7 +102,6 @@ def test_robustness_is_reported(report, folder):
     card = report["robustness"]["robust"]
     assert card["basins"]["ankle"]["low"] <= 0.4
     assert card["basins"]["ankle"]["high"] >= 1.8
-    assert card["pushes"]
     page = (folder / "report.html").read_text()
     assert "<h2>Robustness</h2>" in page
-    assert "largest" in page or "push outwards" in page
+    assert "speeds that return, ankle" in page
