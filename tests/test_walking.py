@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from frontal_biped.control import ControllerSettings
 from frontal_biped.poincare import HybridZeroDynamics
 from frontal_biped.simulation import SimulationSettings
-from frontal_biped.walking import simulate, simulated_multiplier, speed_error_outcome
+from frontal_biped.walking import sampled_frequency, simulate, simulated_multiplier, speed_error_outcome
 from frontal_biped.zero_dynamics import resample, restrict
 
 POST_IMPACT_STATE = 1e-7  # bound of the design; integrator at rtol 1e-10, contraction 0.76 a step
@@ -108,7 +109,9 @@ class TestSampledControl:
 
     def test_output_error_is_of_first_order_in_the_period(self, biped, gait):
         periods = np.array([2e-3, 1e-3, 5e-4])
-        errors = [np.max(np.abs(simulate(biped, gait, steps=1, period=T).output_error)) for T in periods]
+        gains = ControllerSettings.for_gait(gait)  # the same for every period; by default they rise with the rate
+        runs = [simulate(biped, gait, steps=1, period=T, controller_settings=gains) for T in periods]
+        errors = [np.max(np.abs(run.output_error)) for run in runs]
         order = np.polyfit(np.log(periods), np.log(errors), 1)[0]
         # a held torque lags by half a period, so the error is of first order; 1.0 to 1.4 was measured
         assert 0.8 < order < 1.6
@@ -126,6 +129,12 @@ def test_speed_errors_are_reported_as_they_are(biped, reference_gait):
     large = speed_error_outcome(biped, reference_gait, 0.01, steps=1)
     assert large.worst_output_error > 100.0 * small.worst_output_error
     assert "rad of invariance" in str(large)
+
+
+def test_sampled_gains_follow_the_rate():
+    assert sampled_frequency(1e-3) == pytest.approx(100.0)
+    assert sampled_frequency(4e-3) == pytest.approx(25.0)
+    assert sampled_frequency(1e-4) == 100.0
 
 
 def test_right_foot_first_is_the_mirror_image(biped, level_gait):
