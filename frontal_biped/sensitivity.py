@@ -16,7 +16,7 @@ from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait import Gait
 from frontal_biped.half_steps import rising_energy
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.simulation.simulate import SimulationSettings
+from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.walking import simulate
 
 LATE = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)

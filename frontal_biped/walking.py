@@ -12,7 +12,8 @@ from frontal_biped.gait import Gait, gait_to_dict
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.disturbances import Disturbances
-from frontal_biped.simulation.simulate import SimulationSettings, simulate_walk
+from frontal_biped.simulation.settings import SimulationSettings
+from frontal_biped.simulation.simulate import simulate_walk
 from frontal_biped.simulation.trajectory import Trajectory
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.simulation.simulate import SimulationSettings
+from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.walking import simulate
 
 RETURN_TOLERANCE = 1e-4

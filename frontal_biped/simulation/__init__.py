@@ -2,7 +2,8 @@
 
 from frontal_biped.simulation.disturbances import Disturbances, Push
 from frontal_biped.simulation.hybrid_system import EventKind
-from frontal_biped.simulation.simulate import SimulationSettings, simulate_walk
+from frontal_biped.simulation.settings import SimulationSettings
+from frontal_biped.simulation.simulate import simulate_walk
 from frontal_biped.simulation.trajectory import Trajectory, load_trajectory, save_trajectory
 
 __all__ = [

@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 from frontal_biped.design import GaitSpecification, design_gait, pareto_front
 from frontal_biped.design.constraints import energy_margin, reversal_shift
-from frontal_biped.simulation.simulate import SimulationSettings
+from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.virtual_constraints import ConstrainedMotion
 from frontal_biped.walking import simulate
 from frontal_biped.zero_dynamics import RestrictedDynamics, project_dynamics

@@ -11,7 +11,8 @@ from frontal_biped.design.problem import DesignProblem
 from frontal_biped.design.transition import TransitionProblem
 from frontal_biped.exceptions import DesignFailedError, GaitFileError
 from frontal_biped.model import impact
-from frontal_biped.simulation.simulate import SimulationSettings, simulate_walk
+from frontal_biped.simulation.settings import SimulationSettings
+from frontal_biped.simulation.simulate import simulate_walk
 
 JOINED = 1e-9
 """Pose, slope and relative speed at a switch."""
