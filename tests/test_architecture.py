@@ -51,6 +51,8 @@ ONLY_IN = {
     "umsgpack": {"visualisation"},
     "proxsuite": {"quadratic_program"},
     "distributed": {"library"},
+    "mujoco": {"simulation"},
+    "viser": {"studio"},
 }
 
 
