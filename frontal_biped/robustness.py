@@ -16,7 +16,8 @@ from frontal_biped.gait import Gait
 from frontal_biped.half_steps import rising_energy
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.return_map import Basin, RestrictedMap
-from frontal_biped.simulation.disturbances import Disturbances, Push
+from frontal_biped.simulation.disturbances import Disturbances
+from frontal_biped.simulation.pushes import Push
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.walking import simulate
 

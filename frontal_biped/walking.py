@@ -10,6 +10,7 @@ from frontal_biped.control.stabilisers import make_stabiliser
 from frontal_biped.control.transitions import Stabiliser
 from frontal_biped.gait import Gait, gait_to_dict
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.disturbances import Disturbances
 from frontal_biped.simulation.settings import SimulationSettings
@@ -27,6 +28,7 @@ def simulate(
     stance: Stance = Stance.LEFT,
     stabiliser: Stabiliser | str = "adaptive",
     disturbances: Disturbances | None = None,
+    errors: ModelErrors | None = None,
     controller_settings: ControllerSettings | None = None,
     simulation_settings: SimulationSettings | None = None,
     on_step: Callable[[int], None] | None = None,
@@ -41,7 +43,8 @@ def simulate(
         speed_error: relative error of the first post-impact speed, all joints alike, so that the start stays on Z.
         stance: first stance foot.
         stabiliser: a stabiliser, or one of `STABILISERS` by name.
-        disturbances: noise and pushes; they need a period.
+        disturbances: noise, pushes and more; they need a period.
+        errors: how the robot that walks differs from ``biped``, which the controller believes in.
         controller_settings: gains and limits; default: the limits of the gait's specification, and with a period the
             gains of `sampled_frequency`.
         simulation_settings: tolerances; ``steps`` and ``period`` above take precedence.
@@ -64,6 +67,7 @@ def simulate(
         q,
         (1.0 + speed_error) * dq,
         settings,
+        errors=errors,
         stance=stance,
         on_step=on_step,
         gait=gait_to_dict(gait),

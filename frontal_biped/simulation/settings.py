@@ -45,7 +45,7 @@ class SimulationSettings:
         rtol: relative tolerance of the integrator (continuous control).
         atol: absolute tolerance of the integrator (continuous control).
         record_rate: samples per second of the recording [1/s].
-        disturbances: noise and pushes; they need a period.
+        disturbances: what the robot is up against; they need a period.
 
     Raises:
         SimulationError: disturbances under continuous control.
@@ -60,4 +60,4 @@ class SimulationSettings:
 
     def __post_init__(self) -> None:
         if self.disturbances.any and self.period is None:
-            raise SimulationError("noise and pushes act on sampled control; give a control period")
+            raise SimulationError("disturbances act on sampled control; give a control period")
