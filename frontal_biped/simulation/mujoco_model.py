@@ -17,6 +17,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import MissingExtraError
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.frontal_chain import GRAVITY
+from frontal_biped.model.perturbation import LINKS
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.urdf import ROUNDING_INERTIA, read_urdf
 
@@ -36,8 +37,6 @@ SOLE_THICKNESS = 0.02
 """Of the box feet [m], upwards from the sole."""
 
 BASE_JOINTS = ("frontal_base_y", "frontal_base_z", "frontal_base_roll")
-LINKS = ("left foot", "left leg", "pelvis", "right leg", "right foot")
-"""Bodies of the planar chain, in this order wherever there is one row per link."""
 
 _FEET = ("left_sole", "right_sole")
 _FLOORS = ("left_floor", "right_floor")
@@ -227,7 +226,7 @@ def _contact(geom: Any, contact: ContactSettings, contype: int, conaffinity: int
     geom.solmix = 1.0
 
 
-def body_ids(biped: FrontalBiped, model: "MjModel") -> dict[str, int]:
+def link_bodies(biped: FrontalBiped, model: "MjModel") -> dict[str, int]:
     """MuJoCo's body of each of `LINKS`."""
     names = biped.stance_map.joint_names
     bodies = [int(model.jnt_bodyid[model.joint(name).id]) for name in names]

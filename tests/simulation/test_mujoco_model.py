@@ -9,7 +9,8 @@ import pytest
 from frontal_biped import load_robot
 from frontal_biped.exceptions import MissingExtraError
 from frontal_biped.model.biped import BASE
-from frontal_biped.simulation.mujoco_model import BASE_JOINTS, LINKS, body_ids, import_mujoco, mujoco_model
+from frontal_biped.model.perturbation import LINKS
+from frontal_biped.simulation.mujoco_model import BASE_JOINTS, import_mujoco, link_bodies, mujoco_model
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -79,7 +80,7 @@ def test_planar_model_with_equal_legs_differs_by_the_asymmetry(name):
     mujoco.mj_fullM(model, data, M)
     M = M[np.ix_(order, order)]
     J = np.zeros((6, 7))
-    foot = body_ids(biped, model)[LINKS[0]]
+    foot = link_bodies(biped, model)[LINKS[0]]
     mujoco.mj_jac(model, data, J[:3], J[3:], data.xpos[foot], foot)
     J = J[[1, 2, 3]][:, order]  # y, z and roll of the stance foot
     T = np.zeros((7, 4))
