@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 from frontal_biped.control.controller import ControllerSettings, QpController
+from frontal_biped.control.sampling import sampled_frequency as sampled_frequency
 from frontal_biped.control.stabilisers import make_stabiliser
 from frontal_biped.control.transitions import Stabiliser
 from frontal_biped.gait import Gait, gait_to_dict
@@ -75,15 +76,6 @@ def simulate(
     )
     counted = {**stored, "ticks": controller.ticks, "unsolved": controller.unsolved, "declined": controller.declined}
     return replace(run, settings={**run.settings, "controller": counted})
-
-
-def sampled_frequency(period: float) -> float:
-    """Natural frequency of the error dynamics for torques held for a period [rad/s]: a tenth of the rate, at most 100.
-
-    Held torques leave an error at every impact, when the old stance ankle's torque acts on a light swing foot; it must
-    be gone within the phase. On the feet of G1 and iCub 30 rad/s are too slow for that.
-    """
-    return min(100.0, 0.1 / period)
 
 
 def simulated_multiplier(biped: FrontalBiped, gait: Gait, relative_step: float = 1e-4) -> float:
