@@ -137,9 +137,11 @@ class QpController:
             The command; ``source`` and ``solved`` say what it is worth.
         """
         h_d, h_d1, h_d2, p_fri = self._phases[phase].desired(q[0])
-        rate = dq[0]
+        rate = float(dq[0])
         y, dy = q[1:] - h_d, dq[1:] - rate * h_d1
-        targets = Targets(h_d1, rate**2 * h_d2, -self._kd * dy - self._kp * y, p_fri)
+        ddy = dy * -self._kd
+        ddy -= y * self._kp
+        targets = Targets(h_d1, h_d2 * rate**2, ddy, p_fri)
         answer = self.program.solve(q, dq, targets)
         if answer is None:
             command = self._held(y, dy, p_fri)

@@ -14,8 +14,11 @@ from frontal_biped.control.walking_qp import DDQ, FORCE, U, WalkingQp
 from frontal_biped.model.biped import BASE, FrontalBiped
 from frontal_biped.quadratic_program import ProxQpSolver
 
-PENALTY_PARAMETER = 1e-3
-"""ProxQP's mu of the inequalities: with its default of 0.1 most walking programs take half as many iterations more."""
+PENALTY_PARAMETER = 1e-2
+"""ProxQP's mu of the inequalities: a third fewer iterations on walking programs than with its default of 0.1.
+
+With 1e-3 they are fewer still, but one feasible program in a thousand is given up.
+"""
 
 
 class Source(Enum):
@@ -69,7 +72,7 @@ class TorqueProgram:
         self.shortcut = shortcut
         self._solver = ProxQpSolver(settings.accuracy, settings.max_iterations, penalty_parameter=PENALTY_PARAMETER)
         self._relaxed = RelaxedQp(self.qp.program)
-        self._relaxed_solver = ProxQpSolver(settings.accuracy, settings.max_iterations)
+        self._relaxed_solver = ProxQpSolver(settings.accuracy, settings.max_iterations, relative=settings.accuracy)
         self._was_active = False
 
     def solve(self, q: FloatArray, dq: FloatArray, targets: Targets) -> Answer | None:
