@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.lyapunov import Decrease
 from frontal_biped.model.biped import BASE, FrontalBiped
 
 
@@ -23,12 +24,16 @@ class Targets(NamedTuple):
         h_d2_dbeta2: (3,) h_d'' dbeta^2 [rad/s^2].
         ddy: (3,) wanted output acceleration v [rad/s^2].
         p_fri: wanted FRI [m].
+        decrease: with a control Lyapunov function, the condition whose least v is ``ddy``; None without.
+        relaxation: delta of that v [rad/s^2].
     """
 
     h_d1: FloatArray
     h_d2_dbeta2: FloatArray
     ddy: FloatArray
     p_fri: float
+    decrease: Decrease | None = None
+    relaxation: float = 0.0
 
 
 class Motion(NamedTuple):

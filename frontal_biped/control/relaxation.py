@@ -13,7 +13,7 @@ them alone there is always a solution: u = 0. (The weights go down from 1, not u
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.walking_qp import CONTACT, JOINT
+from frontal_biped.control.walking_qp import Rows
 from frontal_biped.quadratic_program import QuadraticProgram
 
 CONTACT_WEIGHT = 1.0
@@ -26,12 +26,13 @@ class RelaxedQp:
 
     Args:
         original: the program relaxed; only its shape is used.
+        which: its rows.
     """
 
-    def __init__(self, original: QuadraticProgram) -> None:
+    def __init__(self, original: QuadraticProgram, which: Rows) -> None:
         n, rows = len(original.g), len(original.l)
         weight = np.zeros(rows)
-        weight[CONTACT], weight[JOINT] = CONTACT_WEIGHT, JOINT_WEIGHT
+        weight[which.contact], weight[which.joint] = CONTACT_WEIGHT, JOINT_WEIGHT
         soft = np.flatnonzero(weight)
         size = n + len(soft)
         H, A, C = np.zeros((size, size)), np.zeros((len(original.b), size)), np.zeros((rows, size))
