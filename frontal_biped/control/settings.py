@@ -39,7 +39,7 @@ class ControllerSettings:
     accuracy: float = 1e-9
     max_iterations: int = 80
     outputs: str = "linearising"
-    epsilon: float = 0.01
+    epsilon: float = 0.003
     relaxation_price: float = 1e3
 
     def __post_init__(self) -> None:
