@@ -43,6 +43,7 @@ class ControllerChoice:
         kind: one of `CONTROLLERS`, or "module:factory" of the user's own.
         stabiliser: by name, of the package's controllers.
         period: control period [s].
+        delay: what the walker takes for the delay from reading to torque [s]; None: the true one.
         settings: keys of `ControllerSettings` that differ from the default.
         arguments: keyword arguments of the user's factory.
     """
@@ -50,6 +51,7 @@ class ControllerChoice:
     kind: str = "walker"
     stabiliser: str = "ankle+step"
     period: float = 1e-3
+    delay: float | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
     arguments: Mapping[str, Any] = field(default_factory=dict)
 
