@@ -108,9 +108,7 @@ def judge(prepared: Prepared, run: Trajectory, measured: Mapping[str, float]) ->
         findings.append(Finding(key, abs(value) <= bound, text, value))
     if expect.fri_margin is not None:
         value = measured["fri_margin"]
-        text = (
-            f"least distance of the FRI from the ends of the sole {_figure(value)} (at least {expect.fri_margin:g} m)"
-        )
+        text = f"FRI {_figure(value)} m inside the ends of the sole (at least {expect.fri_margin:g} m)"
         findings.append(Finding("fri_margin", value >= expect.fri_margin, text, value))
     if expect.step_duration is not None:
         low, high = expect.step_duration

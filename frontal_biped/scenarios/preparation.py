@@ -157,7 +157,7 @@ def _fitting(gait: Gait, biped: FrontalBiped, scenario: Scenario) -> Gait:
     if gait.robot.fingerprint != biped.fingerprint:
         raise ScenarioError(
             f"{scenario.path}: gait = {scenario.gait}: was designed for {gait.robot.name!r} with another URDF or"
-            f" description than {biped.name!r} has; design it again with `frontal-biped design --robot {scenario.robot}`"
+            f" description than {biped.name!r}; design it again with `frontal-biped design --robot {scenario.robot}`"
         )
     return gait
 

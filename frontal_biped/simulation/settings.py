@@ -47,7 +47,7 @@ class SimulationSettings:
         atol: absolute tolerance of the integrator (continuous control).
         record_rate: samples per second of the recording [1/s].
         disturbances: what the robot is up against; they need a period.
-        flat_landing: rotation of the swing foot up to which it settles flat at impact; a steeper one is a stumble [rad].
+        flat_landing: rotation of the swing foot up to which it settles flat at impact [rad]; steeper is a stumble.
 
     Raises:
         SimulationError: disturbances under continuous control.
