@@ -5,8 +5,9 @@ from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
-from frontal_biped.control.controller import ControllerSettings, QpController
+from frontal_biped.control.controller import QpController
 from frontal_biped.control.sampling import sampled_frequency as sampled_frequency
+from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers import make_stabiliser
 from frontal_biped.control.transitions import Stabiliser
 from frontal_biped.gait import Gait, gait_to_dict

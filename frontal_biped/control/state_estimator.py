@@ -46,7 +46,7 @@ class EstimatorSettings:
     velocity_noise: float = 1e-3
     impact_velocity: float = 0.1
     impact_acceleration: float = 1.0
-    drift: float = 30.0
+    drift: float = 10.0
 
 
 class StateEstimator:

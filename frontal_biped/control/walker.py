@@ -1,12 +1,8 @@
 """The walking robot's own controller: from what its sensors say to torques, with no simulator in sight.
 
-At every reading: estimate the state and the model's error (`StateEstimator`), decide whether the swing foot has landed
-(`PhaseMachine`), predict the state at the time when the torques will act, decide there whether the robot has turned,
-ask the quadratic program for the model's torques, and take the model's error off.
-
-The last step makes the real robot follow the model: where D ddq + C dq + G = u + D a, the torques u - D a give the
-accelerations that the program expects, and the zero dynamics of the gait is that of the model. The ankle's share moves
-the FRI and is limited to what the sole has room for.
+At every reading: estimate the state (`StateEstimator`), decide whether the swing foot has landed (`PhaseMachine`),
+predict the state at the time when the torques will act, decide there whether the robot has turned, ask the quadratic
+program for the model's torques, and add what keeps the energy of the orbit (`EnergyLaw`).
 
 After a landing the virtual constraints begin at the predicted state at once, and again when the foot has settled and
 the velocities after the impact have been seen.
@@ -18,9 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.controller import Command, ControllerSettings, QpController
+from frontal_biped.control.controller import Command, QpController
+from frontal_biped.control.energy_law import EnergyLaw, EnergySettings
 from frontal_biped.control.phase_machine import PhaseEvent, PhaseMachine, PhaseSettings
 from frontal_biped.control.sampling import sampled_frequency
+from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers import make_stabiliser
 from frontal_biped.control.state_estimator import EstimatorSettings, StateEstimator
 from frontal_biped.control.transitions import Stabiliser
@@ -82,19 +80,11 @@ class WalkerCommand:
     event: PhaseEvent | None
 
 
-@dataclass(frozen=True)
-class WalkerSettings:
-    """How a walker copes with a model that is wrong and a ground that is soft.
+SOLE_MARGIN = 0.004
+"""Distance from the ends of the sole beyond which the energy law does not move the FRI [m]."""
 
-    Attributes:
-        compensation: share of the model's error that is taken off the torques [-].
-        sole_margin: distance from the ends of the sole beyond which the compensation does not move the FRI [m].
-        settle: time after a landing when the virtual constraints begin anew [s]; 0: never.
-    """
-
-    compensation: float = 1.0
-    sole_margin: float = 0.004
-    settle: float = 0.03
+SETTLE = 0.03
+"""Time after a landing when the virtual constraints begin anew [s]."""
 
 
 class Walker:
@@ -109,7 +99,8 @@ class Walker:
         delay: known time from a reading to the torques it leads to [s], a multiple of the period.
         phases: when to believe in a landing or a reversal.
         estimator: what to trust of the readings.
-        coping: compensation of the model's error.
+        energy: how the energy of the orbit is kept; None: it is left to the stabiliser.
+        settle: time after a landing when the virtual constraints begin anew [s]; 0: never.
 
     Raises:
         SimulationError: the delay is no multiple of the period, or the stabiliser is unknown.
@@ -126,7 +117,8 @@ class Walker:
         delay: float = 0.0,
         phases: PhaseSettings | None = None,
         estimator: EstimatorSettings | None = None,
-        coping: WalkerSettings | None = None,
+        energy: EnergySettings | None = EnergySettings(),
+        settle: float = SETTLE,
     ) -> None:
         self.biped, self.gait, self.period, self.delay = biped, gait, period, delay
         self._on_the_way = round(delay / period)
@@ -138,7 +130,8 @@ class Walker:
         self.controller = QpController(biped, gait, settings, chosen)
         self.phases = PhaseMachine(period, phases)
         self.estimator = StateEstimator(biped, period, estimator)
-        self.coping = coping or WalkerSettings()
+        self.energy = None if energy is None else EnergyLaw(biped, gait, period, energy)
+        self.settle = settle
         self._max_torque = biped.max_torque if settings.max_torque is None else np.asarray(settings.max_torque)
         self.landings = 0
         self.reset(Stance.LEFT, *gait.state_after_impact())
@@ -150,6 +143,8 @@ class Walker:
         self.phases.reset()
         self._sent: deque[FloatArray] = deque(maxlen=self._on_the_way + 1)  # URDF order, the oldest acts now
         self._begun = False
+        if self.energy is not None:
+            self.energy.reset(stance)
         self._until_settled = np.inf
 
     def tick(self, reading: Reading) -> WalkerCommand:
@@ -165,6 +160,8 @@ class Walker:
             event = PhaseEvent.LANDING
             self.landings += 1
             estimator.land()
+            if self.energy is not None:
+                self.energy.land(self.stance.other)
             self.stance = self.stance.other
             q, dq = self._measured(reading)
         estimator.correct(q, dq)
@@ -178,10 +175,15 @@ class Walker:
         if event is not None or not self._begun or (settled and phase is StepPhase.RISING):
             self.controller.begin(phase, q, dq)
             self._begun = True
-            landed = event is PhaseEvent.LANDING and self.coping.settle > 0.0
-            self._until_settled = self.coping.settle if landed else np.inf
+            landed = event is PhaseEvent.LANDING and self.settle > 0.0
+            self._until_settled = self.settle if landed else np.inf
         command = self.controller.command(phase, q, dq)
-        u = self._compensated(command, q)
+        u = command.u
+        if self.energy is not None:
+            slope = self.controller.phase(phase).desired(float(q[0]))[1]
+            low, high = self._ankle_range(command)
+            u = u + self.energy.torques(phase, q, float(dq[0]), slope, estimator.error, low - u[0], high - u[0])
+        u = np.clip(u, -self._max_torque, self._max_torque)
         tau = self.biped.stance_map.torques_to_urdf(u, self.stance)
         if not self._sent:  # nothing else was on its way
             self._sent.extend([tau] * self._on_the_way)
@@ -217,11 +219,9 @@ class Walker:
         dq[0] = outwards * reading.base_roll_rate - dq[1]
         return q, dq
 
-    def _compensated(self, command: Command, q: FloatArray) -> FloatArray:
-        """Torques (4,) that take the model's error off the program's, within torque limits and the sole [N m]."""
-        u = command.u - self.coping.compensation * self.estimator.error_torques(q)
+    def _ankle_range(self, command: Command) -> tuple[float, float]:
+        """Stance ankle torques that keep the FRI inside the sole, under the force the program expects [N m]."""
         biped = self.biped
-        # the ankle torque that puts the FRI at either end of the sole, under the force the program expects
         foot = biped.chain.bodies[0]
         rest = (
             biped.chain.armature[0] * command.ddq[0]
@@ -229,7 +229,4 @@ class Walker:
             - foot.mass * GRAVITY * float(foot.com[0])
         )
         outer, inner = biped.sole
-        margin = self.coping.sole_margin
-        low, high = ((end + side * margin) * command.force[1] + rest for end, side in ((outer, 1.0), (inner, -1.0)))
-        u[0] = np.clip(u[0], min(low, command.u[0]), max(high, command.u[0]))
-        return np.clip(u, -self._max_torque, self._max_torque)
+        return (outer + SOLE_MARGIN) * command.force[1] + rest, (inner - SOLE_MARGIN) * command.force[1] + rest
