@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from frontal_biped.control.controller import ControllerSettings, QpController
+from frontal_biped.control.controller import QpController
+from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers import make_stabiliser
 from frontal_biped.control.walker import Walker
 from frontal_biped.exceptions import FrontalBipedError, ScenarioError

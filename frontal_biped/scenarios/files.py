@@ -43,7 +43,7 @@ from typing import Any
 
 import numpy as np
 
-from frontal_biped.control.controller import ControllerSettings
+from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers import STABILISERS
 from frontal_biped.exceptions import ScenarioError
 from frontal_biped.model.perturbation import LEGS, LINKS, ModelErrors
