@@ -14,6 +14,9 @@ from frontal_biped.exceptions import FrontalBipedError, ScenarioError
 from frontal_biped.scenarios.preparation import Conditions, Prepared
 from frontal_biped.walking import sampled_frequency
 
+QP_STABILISER = "ankle+step"
+"""Of the controller that is told state and events, where the scenario names none."""
+
 Factory = Callable[..., Any]
 """Called with robot, gait and ``period``, and the arguments of the scenario; returns a controller.
 
@@ -36,17 +39,20 @@ def make_controller(prepared: Prepared, conditions: Conditions, own: Factory | o
     scenario = prepared.scenario
     choice = scenario.controller
     if own is None and choice.kind == "qp":
-        stabiliser = make_stabiliser(choice.stabiliser, prepared.biped, prepared.gait)
+        stabiliser = make_stabiliser(choice.stabiliser or QP_STABILISER, prepared.biped, prepared.gait)
         return QpController(prepared.biped, prepared.gait, _settings(prepared), stabiliser)
     if own is None and choice.kind == "walker":
-        ticks = conditions.disturbances.delay_ticks(choice.period) if choice.delay is None else None
+        delay = conditions.disturbances.delay if choice.delay is None else choice.delay
+        # what the scenario leaves open is the walker's own choice
+        named: dict[str, Any] = {} if choice.stabiliser is None else {"stabiliser": choice.stabiliser}
+        if choice.settings:
+            named["settings"] = _settings(prepared)
         return Walker(
             prepared.biped,
             prepared.gait,
             period=choice.period,
-            settings=_settings(prepared),
-            stabiliser=choice.stabiliser,
-            delay=choice.period * (round((choice.delay or 0.0) / choice.period) if ticks is None else ticks),
+            delay=choice.period * round(delay / choice.period),
+            **named,
         )
     where = f"{scenario.path}: controller = {choice.kind!r}" if own is None else "the controller given"
     factory = _import(prepared) if own is None else own

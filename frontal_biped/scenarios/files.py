@@ -12,7 +12,7 @@ repeat = 1
 
 [controller]
 type = "walker"
-stabiliser = "ankle+step"
+stabiliser = "adaptive"
 period = 0.001                         # s
 frequency = 100.0                      # and every other key of ControllerSettings
 arguments = {gain = 2.0}               # of the user's own factory
@@ -170,7 +170,7 @@ def _controller(path: Path, table: Table) -> ControllerChoice:
         section.refuse(key, "your own factory is not asked for it; put it into [controller.arguments]")
     return ControllerChoice(
         kind=kind,
-        stabiliser=section.text("stabiliser", "ankle+step", tuple(STABILISERS)),
+        stabiliser=section.text("stabiliser", "", tuple(STABILISERS)) if "stabiliser" in section else None,
         period=section.number("period", 1e-3, 1e-5, 0.02, "s"),
         delay=section.number("delay", 0.0, 0.0, 0.1, "s") if "delay" in section else None,
         settings={key: _setting(section, key) for key in given},

@@ -41,7 +41,7 @@ class ControllerChoice:
 
     Attributes:
         kind: one of `CONTROLLERS`, or "module:factory" of the user's own.
-        stabiliser: by name, of the package's controllers.
+        stabiliser: by name, of the package's controllers; None: the walker's own default, `QP_STABILISER` for "qp".
         period: control period [s].
         delay: what the walker takes for the delay from reading to torque [s]; None: the true one.
         settings: keys of `ControllerSettings` that differ from the default.
@@ -49,7 +49,7 @@ class ControllerChoice:
     """
 
     kind: str = "walker"
-    stabiliser: str = "ankle+step"
+    stabiliser: str | None = None
     period: float = 1e-3
     delay: float | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
