@@ -40,6 +40,7 @@ class EstimatorSettings:
         impact_velocity: standard deviation of the velocities that the impact map predicts [rad/s].
         impact_acceleration: standard deviation of the acceleration error remembered from the last step [rad/s^2].
         drift: of the acceleration error, standard deviation after one second [rad/s^2].
+        blind: time after an impact during which the readings are left aside, since the contact is still at work [s].
     """
 
     encoder_noise: float = 2e-4
@@ -47,6 +48,7 @@ class EstimatorSettings:
     impact_velocity: float = 0.1
     impact_acceleration: float = 1.0
     drift: float = 10.0
+    blind: float = 0.006
 
 
 class StateEstimator:
@@ -151,6 +153,8 @@ def _gain_table(settings: EstimatorSettings, period: float, velocities: bool) ->
     for k in range(TABULATED):
         if k:
             P = F @ P @ F.T + Q
+        if k * h < settings.blind:
+            continue
         K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
         P = (np.eye(3) - K @ H) @ P
         table[k] = K
