@@ -1,5 +1,6 @@
 """Many trials of many scenarios, on any executor; what a trial yields depends on scenario, seed and number alone."""
 
+import threading
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import dataclass, replace
@@ -193,9 +194,10 @@ def _trial(
 
 def _trial_of_file(path: Path, number: int, seed: int | None, save: Path | None) -> TrialResult:
     """What a worker runs."""
-    return _trial(_prepared(path), number, seed, save)
+    return _trial(_prepared(path, threading.get_ident()), number, seed, save)
 
 
-@lru_cache(maxsize=32)
-def _prepared(path: Path) -> Prepared:
+@lru_cache(maxsize=128)
+def _prepared(path: Path, thread: int) -> Prepared:
+    """A scenario made ready by and for one thread of a worker."""
     return prepare(load_scenario(path))

@@ -1,6 +1,7 @@
 """From a scenario to what can be run: robot, gait, and for every trial the disturbances that are drawn for it."""
 
 import json
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -66,7 +67,7 @@ def prepare(scenario: Scenario) -> Prepared:
     """
     where = scenario.path
     try:
-        biped = _robot(scenario.robot)
+        biped = _robot(scenario.robot, threading.get_ident())
     except FrontalBipedError as error:
         raise ScenarioError(f"{where}: robot = {scenario.robot!r}: {error}") from None
     try:
@@ -133,8 +134,9 @@ def _push(prepared: Prepared, plan: PushPlan, pick: Any) -> Push:
     return Push(start, *shape, step=moment.step - 1, phase=moment.phase)
 
 
-@lru_cache(maxsize=8)
-def _robot(name: str) -> FrontalBiped:
+@lru_cache(maxsize=32)
+def _robot(name: str, thread: int) -> FrontalBiped:
+    """A robot of one thread: its work data cannot be shared."""
     return load_robot(name)
 
 
@@ -162,9 +164,9 @@ def _fitting(gait: Gait, biped: FrontalBiped, scenario: Scenario) -> Gait:
     return gait
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=32)
 def _designed(robot: str, specification: str) -> Gait:
-    result = design_gait(_robot(robot), GaitSpecification.from_dict(json.loads(specification), "[gait]"))
+    result = design_gait(load_robot(robot), GaitSpecification.from_dict(json.loads(specification), "[gait]"))
     if result.gait is None or not result.success:
         raise DesignFailedError(f"no gait is found for {robot!r}, {result.message}")
     return result.gait

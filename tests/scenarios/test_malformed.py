@@ -20,7 +20,7 @@ MALFORMED = {
     "an unknown specification": ('gait = "robustt"', "gait = robustt.*did you mean 'robust'"),
     "a gait file that is not there": ('gait = "my.gait.json"', r"gait = .*my\.gait\.json.*no such"),
     "a specification with a bad key": ("[gait]\nfrictoin = 0.5", "gait = .*frictoin.*did you mean 'friction'"),
-    "a specification that no gait meets": ("[gait]\nmax_torque = [1.0, 1.0, 1.0, 1.0]", "gait = .*no gait is found"),
+    "a specification that no gait meets": ("[gait]\nstep_width = [3.0, 3.1]", "gait = .*step_width.*(reach|apart|3)"),
     "an unknown controller": ('controller = "pid"', r"\[controller\] type = 'pid'.*walker, qp.*module:factory"),
     "an unknown stabiliser": ('[controller]\nstabiliser = "magic"', r"\[controller\] stabiliser = 'magic'.*adaptive"),
     "a gain of the wrong type": ('[controller]\nfrequency = "high"', r"\[controller\] frequency = 'high'.*number"),
