@@ -39,9 +39,10 @@ MAY_IMPORT = {
         "model", "virtual_constraints", "zero_dynamics", "poincare", "phase_energy", "half_steps", "gait", "control",
     },
     "simulation": {"model", "virtual_constraints", "control"},
+    "scenarios": {"model", "gait", "control", "design", "simulation", "walking"},
 }  # fmt: skip
 
-APPLICATIONS = {"cli", "demo", "__main__"}
+APPLICATIONS = {"cli", "demo", "pytest_plugin", "__main__"}
 """They see everything, and nothing below sees them."""
 
 # foreign package: the only places that may import it
@@ -53,6 +54,7 @@ ONLY_IN = {
     "distributed": {"library"},
     "mujoco": {"simulation"},
     "viser": {"studio"},
+    "pytest": {"pytest_plugin"},
 }
 
 

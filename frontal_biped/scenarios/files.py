@@ -12,7 +12,7 @@ repeat = 1
 
 [controller]
 type = "walker"
-stabiliser = "ankle+step"
+stabiliser = "adaptive"
 period = 0.001                         # s
 frequency = 100.0                      # and every other key of ControllerSettings
 arguments = {gain = 2.0}               # of the user's own factory
@@ -43,7 +43,7 @@ from typing import Any
 
 import numpy as np
 
-from frontal_biped.control.controller import ControllerSettings
+from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers import STABILISERS
 from frontal_biped.exceptions import ScenarioError
 from frontal_biped.model.perturbation import LEGS, LINKS, ModelErrors
@@ -109,8 +109,11 @@ def load_scenario(path: Path | str) -> Scenario:
     path = Path(path)
     table = Table(f"{path}:", load_toml(path, ScenarioError), KEYS)
     default = path.name.removesuffix(".toml").removesuffix(".scenario")
+    name = table.text("name", default)
+    if not re.fullmatch(r"\w[\w .,+-]*", name):
+        table.refuse("name", "not a name for a file; use letters, digits, spaces and -")
     scenario = Scenario(
-        name=table.text("name", default),
+        name=name,
         path=path,
         about=table.text("about", "") if "about" in table else "",
         robot=str(_beside(path, table.text("robot", "frontal_biped"))),
@@ -153,7 +156,7 @@ def _controller(path: Path, table: Table) -> ControllerChoice:
     content = table.content.get("controller", {})
     if isinstance(content, str):
         content = {"type": content}
-    section = Table(f"{path}: [controller]", content, ("type", "stabiliser", "period", "arguments", *own))
+    section = Table(f"{path}: [controller]", content, ("type", "stabiliser", "period", "delay", "arguments", *own))
     kind = section.text("type", "walker")
     if kind not in CONTROLLERS and not _FACTORY.fullmatch(kind):
         section.refuse("type", f'unknown; write one of {", ".join(CONTROLLERS)}, or "module:factory" of your own')
@@ -161,13 +164,15 @@ def _controller(path: Path, table: Table) -> ControllerChoice:
     given = {key: value for key, value in section.content.items() if key in own}
     if kind in CONTROLLERS and arguments.content:
         section.refuse("arguments", 'only your own factory takes them; write type = "module:factory"')
-    if kind not in CONTROLLERS and (given or "stabiliser" in section):
-        key = next(iter(given), "stabiliser")
+    others = [key for key in (*given, "stabiliser", "delay") if key in section]
+    if kind not in CONTROLLERS and others:
+        key = others[0]
         section.refuse(key, "your own factory is not asked for it; put it into [controller.arguments]")
     return ControllerChoice(
         kind=kind,
-        stabiliser=section.text("stabiliser", "ankle+step", tuple(STABILISERS)),
+        stabiliser=section.text("stabiliser", "", tuple(STABILISERS)) if "stabiliser" in section else None,
         period=section.number("period", 1e-3, 1e-5, 0.02, "s"),
+        delay=section.number("delay", 0.0, 0.0, 0.1, "s") if "delay" in section else None,
         settings={key: _setting(section, key) for key in given},
         arguments=dict(arguments.content),
     )
@@ -326,5 +331,7 @@ def _check_together(scenario: Scenario, table: Table) -> None:
                     f"{path}: [expect] {key} = {getattr(expect, key):g}: our simulator's foot rests;"
                     ' leave it out or write simulator = "mujoco"'
                 )
+    if "return_tolerance" in table.content.get("expect", {}) and expect.return_within is None:
+        raise ScenarioError(f"{path}: [expect] return_tolerance without return_within; say within how many steps")
     if scenario.repeat > 1 and not scenario.random:
         table.refuse("repeat", "nothing in the scenario is random, all trials would be the same; leave it out")

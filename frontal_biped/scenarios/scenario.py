@@ -41,15 +41,17 @@ class ControllerChoice:
 
     Attributes:
         kind: one of `CONTROLLERS`, or "module:factory" of the user's own.
-        stabiliser: by name, of the package's controllers.
+        stabiliser: by name, of the package's controllers; None: the walker's own default, `QP_STABILISER` for "qp".
         period: control period [s].
+        delay: what the walker takes for the delay from reading to torque [s]; None: the true one.
         settings: keys of `ControllerSettings` that differ from the default.
         arguments: keyword arguments of the user's factory.
     """
 
     kind: str = "walker"
-    stabiliser: str = "ankle+step"
+    stabiliser: str | None = None
     period: float = 1e-3
+    delay: float | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
     arguments: Mapping[str, Any] = field(default_factory=dict)
 

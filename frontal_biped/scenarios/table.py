@@ -72,12 +72,12 @@ class Table:
             if -bound < low:
                 self.refuse(key, f"-{bound:g} is below the least value {low:g} {unit}; write {{from = ..., to = ...}}")
             return Range(-bound, bound)
-        if set(given) == {"from", "to"}:
-            ends = [self._within(key, given[end], low, high, unit) for end in ("from", "to")]
-            if ends[0] > ends[1]:
-                self.refuse(key, "from is above to; exchange them")
-            return Range(*ends)
-        self.refuse(key, "no number and no range; write {from = 0.3, to = 0.9} or {within = 0.2}")
+        if set(given) != {"from", "to"}:
+            self.refuse(key, "no number and no range; write {from = 0.3, to = 0.9} or {within = 0.2}")
+        ends = [self._within(key, given[end], low, high, unit) for end in ("from", "to")]
+        if ends[0] > ends[1]:
+            self.refuse(key, "from is above to; exchange them")
+        return Range(*ends)
 
     def numbers(self, key: str, count: int | None, low: float, high: float, unit: str) -> tuple[float, ...]:
         """A list of numbers in a range."""
@@ -98,7 +98,7 @@ class Table:
 
 
 def _example(low: float, high: float) -> float:
-    return low if 0.0 < low else (0.0 if high <= 0.0 else min(high, 0.01) if low == 0.0 else 0.5 * high)
+    return low if low > 0.0 else (0.0 if high <= 0.0 else min(high, 0.01) if low == 0.0 else 0.5 * high)
 
 
 def _short(value: object) -> str:

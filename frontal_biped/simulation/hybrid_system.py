@@ -99,14 +99,16 @@ def walking_guards(biped: FrontalBiped, leaving: float = 0.0, landing: float = 0
     )
 
 
-def land(biped: FrontalBiped, q_minus: FloatArray, dq_minus: FloatArray) -> Impact | None:
+def land(
+    biped: FrontalBiped, q_minus: FloatArray, dq_minus: FloatArray, flat_landing: float = FLAT_LANDING
+) -> Impact | None:
     """Reset at impact: rigid impact and relabelling; None for a landing too steep to settle flat.
 
     A foot that lands at a small angle settles flat at once: the rest of the robot keeps its orientation, so that
     angle is taken out of the new stance ankle.
     """
     rotation = float(biped.swing_foot_rotation(q_minus))
-    if abs(rotation) > FLAT_LANDING:
+    if abs(rotation) > flat_landing:
         return None
     landing = impact(biped, q_minus, dq_minus)
     q_plus = landing.q_plus.copy()

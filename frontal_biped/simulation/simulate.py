@@ -98,7 +98,7 @@ def simulate_walk(
             controller.begin(phase, *flow.perceived(state))
         elif segment.event is EventKind.IMPACT:
             stood = plant.on(stance)
-            landing = land(stood, state[:4], state[4:])
+            landing = land(stood, state[:4], state[4:], chosen.flat_landing)
             if landing is not None and landing.friction_used > (chosen.disturbances.friction or np.inf):
                 recorder.event(t, EventKind.SLIPPED, step, state)
                 outcome = EventKind.SLIPPED.value
