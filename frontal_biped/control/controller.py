@@ -22,6 +22,10 @@ from frontal_biped.virtual_constraints.phase import Phase, StepPhase
 _log = logging.getLogger(__name__)
 
 
+SOLE_MARGIN = 0.004
+"""Distance that a shifted FRI target keeps from the ends of the sole [m]."""
+
+
 @dataclass(frozen=True)
 class Command:
     """Answer of one control tick.
@@ -134,18 +138,22 @@ class QpController:
             self.declined += 1
             return self._next_phase(self._fallback, phase, q, dq)
 
-    def command(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> Command:
+    def command(self, phase: StepPhase, q: FloatArray, dq: FloatArray, fri_shift: float = 0.0) -> Command:
         """Torques at a state.
 
         Args:
             phase: rising or falling.
             q: (4,) stance coordinates [rad].
             dq: (4,) their rates [rad/s].
+            fri_shift: moves the FRI target, inside the sole [m].
 
         Returns:
             The command; ``source`` and ``solved`` say what it is worth.
         """
         h_d, h_d1, h_d2, p_fri = self._phases[phase].desired(q[0])
+        if fri_shift:
+            outer, inner = self.biped.sole
+            p_fri = min(max(p_fri + fri_shift, outer + SOLE_MARGIN), inner - SOLE_MARGIN)
         rate = float(dq[0])
         y, dy = q[1:] - h_d, dq[1:] - rate * h_d1
         if self.lyapunov is None:
