@@ -38,6 +38,9 @@ SETTLED = 0.03
 LOWEST = 0.6
 """Height of the centre of mass, relative to upright, below which the robot has fallen."""
 
+TIPPED = 0.5
+"""Rotation of the stance foot beyond which the robot has fallen over it [rad]."""
+
 CLEAR = 5e-4
 """Clearance above old and new ground at which the floor under a swing foot changes its height [m]."""
 
@@ -216,6 +219,8 @@ class _MujocoWalk:
             outer, _ = self.plant.sole
             tipped = self.robot.com_offset(stance) < outer
             return EventKind.TIPPED_OUTWARDS if tipped else EventKind.COLLAPSED
+        if abs(self.robot.foot_position(stance)[1]) > TIPPED:
+            return EventKind.TIPPED_OUTWARDS
         return TIMED_OUT if since_landing > PHASE_TIME_LIMIT else None
 
     # ------------------------------------------------------------------ records
