@@ -10,7 +10,7 @@ from frontal_biped.control.closed_form import Targets
 from frontal_biped.control.limits import ContactLimits, JointLimits
 from frontal_biped.control.relaxation import RelaxedQp, violation
 from frontal_biped.control.settings import ControllerSettings
-from frontal_biped.control.walking_qp import DDQ, DELTA, FORCE, OUTPUT_ACCELERATION, VARIABLES, U, WalkingQp
+from frontal_biped.control.walking_qp import DDQ, DELTA, FORCE, VARIABLES, U, WalkingQp
 from frontal_biped.model.biped import BASE, FrontalBiped
 from frontal_biped.quadratic_program import ProxQpSolver
 
@@ -101,5 +101,5 @@ class TorqueProgram:
                 return None
             source, overstepped = Source.RELAXED, violation(program, solution.x)
         x = solution.x[:VARIABLES] * qp.scale
-        relaxation = 0.0 if targets.decrease is None else OUTPUT_ACCELERATION * float(solution.x[DELTA])
+        relaxation = 0.0 if targets.decrease is None else qp.delta_unit * float(solution.x[DELTA])
         return Answer(source, x[U], x[DDQ], x[FORCE], overstepped, relaxation)
