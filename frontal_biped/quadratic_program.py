@@ -125,8 +125,7 @@ class ProxQpSolver:
         else:
             solver.settings.initial_guess = proxqp.InitialGuess.WARM_START
             solver.solve(guess, np.zeros(shape[1]), np.zeros(shape[2]))
-        started_warm = not fresh and (warm or guess is not None)
-        if self.retry and started_warm and solver.results.info.status != proxqp.PROXQP_SOLVED:
+        if self.retry and not fresh and solver.results.info.status != proxqp.PROXQP_SOLVED:
             solver = self._set_up(qp, shape)
             solver.solve()
         results = solver.results

@@ -20,6 +20,9 @@ PENALTY_PARAMETER = 1e-2
 With 1e-3 they are fewer still, but one feasible program in a thousand is given up.
 """
 
+RELAXED_ACCURACY = 1e-6
+"""Absolute and relative, of the relaxed program: far outside the limits its numbers grow large."""
+
 
 class Source(Enum):
     """Where the torques of a tick come from."""
@@ -75,7 +78,7 @@ class TorqueProgram:
         self.shortcut = shortcut
         self._solver = ProxQpSolver(settings.accuracy, settings.max_iterations, penalty_parameter=PENALTY_PARAMETER)
         self._relaxed = RelaxedQp(self.qp.program, self.qp.rows)
-        self._relaxed_solver = ProxQpSolver(settings.accuracy, settings.max_iterations, relative=settings.accuracy)
+        self._relaxed_solver = ProxQpSolver(RELAXED_ACCURACY, settings.max_iterations, relative=RELAXED_ACCURACY)
         self._was_active = False
 
     def solve(self, q: FloatArray, dq: FloatArray, targets: Targets) -> Answer | None:

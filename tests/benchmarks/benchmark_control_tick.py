@@ -150,7 +150,8 @@ class TsidTick:
         contact.setKp(100.0 * np.ones(6))
         contact.setKd(20.0 * np.ones(6))
         contact.setReference(self.robot.framePosition(self.formulation.data(), self.foot))
-        self.formulation.addRigidContact(contact, 1e-5)
+        # the foot's rest as a heavy cost: as a constraint its quadratic program does not come back on this robot
+        self.formulation.addRigidContact(contact, 1e-5, 1e3, 1)
         com = tsid.TaskComEquality("com", self.robot)
         com.setKp(100.0 * np.ones(3))
         com.setKd(20.0 * np.ones(3))
