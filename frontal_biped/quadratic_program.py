@@ -5,17 +5,19 @@
 Bounds on single variables are rows of C: ProxQP's separate box constraints cannot be warm-started.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from proxsuite import proxqp
+from scipy.linalg.lapack import dgesv
 
 from frontal_biped.arrays import FloatArray
 
 UNBOUNDED = 1e20  # ProxQP's infinity
 DEFAULT_ACCURACY = 1e-9  # ProxQP's own default is too loose to rest a bound on
 DEFAULT_MAX_ITERATIONS = 200
+REFINED = 1e-10  # by how much a refined solution may overstep a row
 MAX_INNER_ITERATIONS = 300  # at each outer one; with the default of 1500 a lost problem may take a quarter of a second
 INFEASIBILITY = 1e-12  # tolerance of the infeasibility certificates
 _START = {
@@ -68,6 +70,33 @@ class QpSolution:
             "inequality": max(_largest(np.maximum(0.0, qp.l - value)), _largest(np.maximum(0.0, value - qp.u))),
             "complementarity": _largest(self.z * np.minimum(np.abs(gap), 1e6)),
         }
+
+
+def refined(qp: QuadraticProgram, solution: QpSolution) -> QpSolution:
+    """The solution to rounding: the linear system of the rows that a solver found active.
+
+    A solver's tolerance on the gradient is one on x only after division by the curvature of the cost. Where the
+    active rows are dependent, or the answer would overstep a bound or turn a multiplier's sign, the solution as it is.
+    """
+    x, y, z = solution.x, solution.y, solution.z
+    value = qp.C.dot(x)
+    high = qp.u - value < z
+    active = np.flatnonzero(high | (value - qp.l < -z))
+    n, p = len(x), len(y)
+    rows = np.concatenate([qp.A, qp.C[active]])
+    KKT = np.zeros((n + len(rows), n + len(rows)))
+    KKT[:n, :n], KKT[n:, :n], KKT[:n, n:] = qp.H, rows, rows.T
+    right = np.concatenate([-qp.g, qp.b, np.where(high, qp.u, qp.l)[active]])
+    *_, exact, singular = dgesv(KKT, right)
+    if singular:
+        return solution
+    new_z = np.zeros_like(z)
+    new_z[active] = exact[n + p :]
+    new = replace(solution, x=exact[:n], y=exact[n : n + p], z=new_z)
+    value = qp.C.dot(new.x)
+    kept = np.all(value - qp.l >= -REFINED) and np.all(qp.u - value >= -REFINED)
+    signs = np.all(np.where(high, new_z, -new_z)[active] >= 0.0)
+    return new if kept and signs else solution
 
 
 def _largest(values: FloatArray) -> float:

@@ -1,6 +1,7 @@
 """From targets to torques: closed form, quadratic program, relaxed program, in this order."""
 
 from enum import Enum
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ from frontal_biped.control.relaxation import RelaxedQp, violation
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.walking_qp import DDQ, DELTA, FORCE, VARIABLES, U, WalkingQp
 from frontal_biped.model.biped import BASE, FrontalBiped
-from frontal_biped.quadratic_program import ProxQpSolver
+from frontal_biped.quadratic_program import ProxQpSolver, refined
 
 PENALTY_PARAMETER = 1e-2
 """ProxQP's mu of the inequalities: a third fewer iterations on walking programs than with its default of 0.1.
@@ -92,13 +93,15 @@ class TorqueProgram:
                 forces = motion.forces
                 return Answer(Source.CLOSED_FORM, forces[BASE:], motion.ddq, forces[:2], 0.0, targets.relaxation)
         program = qp.build(targets)
-        if not np.isfinite(program.g.sum() + program.b.sum() + program.A.sum()):
+        if not isfinite(program.g.sum() + program.b.sum() + program.A.sum()):
             return None
         # the limits active at the last tick are mostly those of this one
         solution = self._solver.solve(program, warm=self._was_active)
         source, overstepped = Source.PROGRAM, 0.0
         self._was_active = solution.solved
-        if not solution.solved:
+        if solution.solved:
+            solution = refined(program, solution)
+        else:
             solution = self._relaxed_solver.solve(self._relaxed.build(program), warm=False)
             if not solution.solved:
                 return None
