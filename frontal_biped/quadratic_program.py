@@ -17,6 +17,7 @@ from frontal_biped.arrays import FloatArray
 UNBOUNDED = 1e20  # ProxQP's infinity
 DEFAULT_ACCURACY = 1e-9  # ProxQP's own default is too loose to rest a bound on
 DEFAULT_MAX_ITERATIONS = 200
+RETRY_PENALTY = 1.0  # mu; slower, and solves the two programs in a thousand that smaller ones stall on
 REFINED = 1e-10  # by how much a refined solution may overstep a row
 MAX_INNER_ITERATIONS = 300  # at each outer one; with the default of 1500 a lost problem may take a quarter of a second
 INFEASIBILITY = 1e-12  # tolerance of the infeasibility certificates
@@ -134,7 +135,7 @@ class ProxQpSolver:
         """Solve; a problem of the same shape as the last one starts from that one's answer.
 
         A warm-started solver can stall on penalties left over from its last problem, so one that does not reach its
-        accuracy is set up afresh and tried once more.
+        accuracy is set up afresh, with a softer penalty, and tried once more.
 
         Args:
             qp: the problem.
@@ -144,7 +145,7 @@ class ProxQpSolver:
         shape = (len(qp.g), len(qp.b), len(qp.l))
         fresh = self._solver is None or shape != self._shape
         if fresh:
-            self._set_up(qp, shape)
+            self._set_up(qp, shape, self.penalty_parameter)
         solver = self._solver
         if not fresh:
             solver.settings.initial_guess = _START[warm]
@@ -155,7 +156,7 @@ class ProxQpSolver:
             solver.settings.initial_guess = proxqp.InitialGuess.WARM_START
             solver.solve(guess, np.zeros(shape[1]), np.zeros(shape[2]))
         if self.retry and not fresh and solver.results.info.status != proxqp.PROXQP_SOLVED:
-            solver = self._set_up(qp, shape)
+            solver = self._set_up(qp, shape, RETRY_PENALTY)
             solver.solve()
         results = solver.results
         return QpSolution(
@@ -167,7 +168,7 @@ class ProxQpSolver:
             iterations=int(results.info.iter),
         )
 
-    def _set_up(self, qp: QuadraticProgram, shape: tuple[int, int, int]) -> Any:
+    def _set_up(self, qp: QuadraticProgram, shape: tuple[int, int, int], penalty_parameter: float | None) -> Any:
         solver = proxqp.dense.QP(*shape)
         solver.settings.eps_abs = self.accuracy
         solver.settings.eps_rel = self.relative
@@ -179,8 +180,8 @@ class ProxQpSolver:
         # the default of 1e-4 calls feasible programs infeasible
         solver.settings.eps_primal_inf = INFEASIBILITY
         solver.settings.eps_dual_inf = INFEASIBILITY
-        if self.penalty_parameter is not None:
-            solver.settings.default_mu_in = self.penalty_parameter
+        if penalty_parameter is not None:
+            solver.settings.default_mu_in = penalty_parameter
         solver.settings.initial_guess = _START[False]
         solver.init(*qp)
         self._solver, self._shape = solver, shape

@@ -108,4 +108,6 @@ class TorqueProgram:
             source, overstepped = Source.RELAXED, violation(program, solution.x)
         x = solution.x[:VARIABLES] * qp.scale
         relaxation = 0.0 if targets.decrease is None else qp.delta_unit * float(solution.x[DELTA])
-        return Answer(source, x[U], x[DDQ], x[FORCE], overstepped, relaxation)
+        most = qp.limits.max_torque
+        u = np.clip(x[U], -most, most)  # to the last digit, whatever the solver's tolerance
+        return Answer(source, u, x[DDQ], x[FORCE], overstepped, relaxation)

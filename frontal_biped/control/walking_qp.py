@@ -154,10 +154,11 @@ class WalkingQp:
         task[3, 9] = -targets.p_fri * self._F_0 / self._T_0
         drift = targets.h_d2_dbeta2
         goal[:3] = (drift if targets.decrease else targets.ddy + drift) / OUTPUT_ACCELERATION
-        # off the gait h_d' may be thousands; the cost in units of its own size, or ProxQP stalls on the multipliers
-        unit = max(1.0, np.vdot(task, task).item())
-        program.H[:VARIABLES, :VARIABLES] = task.T.dot(task / unit)
-        program.g[:VARIABLES] = goal.dot(task) / -unit
+        H, g = task.T.dot(task), goal.dot(task)
+        # off the gait h_d' and v may be thousands; the cost in units of its own size, or ProxQP stalls
+        unit = max(1.0, H.trace().item(), np.abs(g).max().item())
+        program.H[:VARIABLES, :VARIABLES] = H / unit
+        program.g[:VARIABLES] = g / -unit
         if self.joints is not None:
             lower, upper = self.joints.bounds(self._q, self._dq)
             joint = self.rows.joint
@@ -171,7 +172,7 @@ class WalkingQp:
             size = OUTPUT_ACCELERATION * max(1.0, abs(slope) / OUTPUT_ACCELERATION)
             program.C[row, 0] = slope / size
             program.C[row, 1:4] = n / size
-            program.u[row] = (n.dot(drift) - b) / size
+            program.u[row] = (n.dot(drift) - b) / size if n.any() else UNBOUNDED
             program.g[DELTA] = self._relaxation_price * size / (OUTPUT_ACCELERATION * unit)
             self.delta_unit = size
         return program

@@ -148,7 +148,7 @@ def test_a_thousand_adversarial_states(biped, reference_gait, outputs):
             assert gradient < STATIONARY
         else:
             assert least_violation(program) > NEARLY
-        assert np.all(np.abs(command.u) <= biped.max_torque * (1.0 + 1e-6))
+        assert np.all(np.abs(command.u) <= biped.max_torque)
     counts = controller.counts
     assert controller.ticks == 1000
     assert counts[Source.CLOSED_FORM] + counts[Source.PROGRAM] + controller.relaxed + controller.held == 1000
