@@ -155,18 +155,23 @@ class ProxQpSolver:
         else:
             solver.settings.initial_guess = proxqp.InitialGuess.WARM_START
             solver.solve(guess, np.zeros(shape[1]), np.zeros(shape[2]))
-        if self.retry and not fresh and solver.results.info.status != proxqp.PROXQP_SOLVED:
+        solution = self._answer(solver, qp)
+        if self.retry and not fresh and not solution.solved:
             solver = self._set_up(qp, shape, RETRY_PENALTY)
             solver.solve()
+            self._solver = None  # the next problem is not asked of this one
+            solution = self._answer(solver, qp)
+        return solution
+
+    def _answer(self, solver: Any, qp: QuadraticProgram) -> QpSolution:
         results = solver.results
-        return QpSolution(
-            x=np.array(results.x),
-            y=np.array(results.y),
-            z=np.array(results.z),
-            solved=results.info.status == proxqp.PROXQP_SOLVED,
-            status=results.info.status.name,
-            iterations=int(results.info.iter),
-        )
+        status = results.info.status
+        solved = status == proxqp.PROXQP_SOLVED
+        x, y, z = np.array(results.x), np.array(results.y), np.array(results.z)
+        solution = QpSolution(x, y, z, solved, status.name, int(results.info.iter))
+        if not solved and max(solution.residuals(qp).values()) <= self.accuracy:
+            return replace(solution, solved=True)  # it was waiting for the rounding of its duality gap to vanish
+        return solution
 
     def _set_up(self, qp: QuadraticProgram, shape: tuple[int, int, int], penalty_parameter: float | None) -> Any:
         solver = proxqp.dense.QP(*shape)

@@ -19,7 +19,6 @@ from frontal_biped.half_steps import Landed
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.phase import Phase, StepPhase
 
-
 _log = logging.getLogger(__name__)
 
 

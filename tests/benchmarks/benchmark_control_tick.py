@@ -88,7 +88,11 @@ def scattered(gait: Gait, count: int) -> Iterator[State]:
         beta = phase.beta_start + rng.uniform(-0.1, 1.1) * phase.range
         h_d, h_d1, *_ = phase.desired(beta)
         rate = 2.0 * size * rng.normal()
-        yield which, np.r_[beta, h_d + size * rng.normal(size=3)], np.r_[rate, h_d1 * rate + 10.0 * size * rng.normal(size=3)]
+        yield (
+            which,
+            np.r_[beta, h_d + size * rng.normal(size=3)],
+            np.r_[rate, h_d1 * rate + 10.0 * size * rng.normal(size=3)],
+        )
 
 
 # ---------------------------------------------------------------------- contenders
@@ -117,9 +121,7 @@ class BareProxQp:
         program = self.controller.program.qp.program
         if self.solver is None:
             settings = self.controller.settings
-            adapter = ProxQpSolver(
-                settings.accuracy, settings.max_iterations, penalty_parameter=PENALTY_PARAMETER
-            )
+            adapter = ProxQpSolver(settings.accuracy, settings.max_iterations, penalty_parameter=PENALTY_PARAMETER)
             adapter.solve(program)
             self.solver = adapter._solver
             self.solver.settings.initial_guess = proxqp.InitialGuess.WARM_START_WITH_PREVIOUS_RESULT

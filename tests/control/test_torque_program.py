@@ -10,7 +10,7 @@ from random_states import assert_close, vectors
 from scipy.optimize import linprog, nnls
 
 from frontal_biped.control import ControllerSettings, QpController, Source
-from frontal_biped.control.walking_qp import DELTA, DDQ, FORCE, VARIABLES, U
+from frontal_biped.control.walking_qp import DDQ, DELTA, FORCE, VARIABLES, U
 from frontal_biped.model import load_robot
 from frontal_biped.quadratic_program import UNBOUNDED
 from frontal_biped.virtual_constraints import StepPhase
@@ -87,9 +87,7 @@ def point(controller, command):
 def optimality(program, x):
     """Violation of the constraints, and the gradient that no admissible multipliers balance (non-negative squares)."""
     value = program.C @ x
-    violation = max(
-        np.abs(program.A @ x - program.b).max(), (program.l - value).max(), (value - program.u).max()
-    )
+    violation = max(np.abs(program.A @ x - program.b).max(), (program.l - value).max(), (value - program.u).max())
     size = np.maximum(1.0, np.abs(program.C).max(axis=1))
     low, high = value - program.l < 1e-6 * size, program.u - value < 1e-6 * size
     gradient = program.H @ x + program.g
@@ -131,7 +129,7 @@ def adversarial(gait, count, seed):
         yield which, q, np.r_[rate, h_d1 * rate + 10.0 * size * rng.normal(size=3)]
 
 
-@pytest.mark.parametrize("outputs", ["linearising", "clf"])
+@pytest.mark.parametrize("outputs", ["linearising", pytest.param("clf", marks=pytest.mark.slow)])
 def test_a_thousand_adversarial_states(biped, reference_gait, outputs):
     """Each is solved, and then optimal; or reported, and then no torques keep every limit. None is silent."""
     settings = ControllerSettings(frequency=60.0, joint_rate=60.0, outputs=outputs)
