@@ -192,7 +192,7 @@ class QpController:
         """The last command again, before the first no torques; output and target, where known, of this tick."""
         none = Command(np.zeros(4), np.zeros(4), np.zeros(2), np.zeros(3), np.zeros(3), 0.0, Source.HELD)
         held = replace(self._last or none, source=Source.HELD)
-        return held if y is None else replace(held, y=y, dy=dy, p_fri_target=p_fri)
+        return held if y is None or dy is None or p_fri is None else replace(held, y=y, dy=dy, p_fri_target=p_fri)
 
     def phase(self, phase: StepPhase) -> Phase:
         """Virtual constraints of a phase, as the stabiliser last chose them."""

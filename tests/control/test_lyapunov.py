@@ -26,9 +26,7 @@ def test_riccati_equation():
     P = LyapunovFunction(0.01).P
     assert np.abs(F.T @ P + P @ F - P @ G @ G.T @ P + np.eye(2)).max() < EXACT
     assert np.linalg.eigvalsh(P)[0] > 0.0
-    assert (
-        np.abs(P - np.array([[3**0.5, 1.0], [1.0, 3**0.5]])).max() < EXACT
-    )  # known for the double integrator with Q = I
+    assert np.abs(P - np.array([[3**0.5, 1.0], [1.0, 3**0.5]])).max() < EXACT  # known for Q = I
 
 
 @given(**outputs)
