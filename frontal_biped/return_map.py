@@ -10,34 +10,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.contact_margins import ContactMargins, Margin
 from frontal_biped.control.transitions import Stabiliser
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait import Gait
 from frontal_biped.half_steps import Landed, falling_energy, land_on_constraints, rising_energy
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.phase_energy import PhaseEnergy
-from frontal_biped.poincare import Landing
 from frontal_biped.virtual_constraints.phase import Phase
-from frontal_biped.zero_dynamics import F_H, F_V, TORQUES
 
 RETURNED = 0.01
 """Relative speed error that counts as returned."""
 
 STEPS = 20
 """Steps after which a slow return is given up."""
-
-
-@dataclass(frozen=True)
-class Margin:
-    """Room left to one limit over a step.
-
-    Attributes:
-        name: of the limit.
-        value: room, positive inside, in units of a typical size of the quantity [-].
-    """
-
-    name: str
-    value: float
 
 
 @dataclass(frozen=True)
@@ -94,10 +80,7 @@ class RestrictedMap:
 
     def __init__(self, biped: FrontalBiped, gait: Gait, stabiliser: Stabiliser) -> None:
         self.biped, self.gait, self.stabiliser = biped, gait, stabiliser
-        spec = gait.specification
-        self.friction = float(spec.get("friction", 0.6))
-        self.min_normal_force = float(spec.get("min_normal_force", 0.1))
-        self.max_torque: FloatArray = np.asarray(spec.get("max_torque", biped.max_torque), dtype=float)
+        self.limits = ContactMargins(biped, gait)
         self._last: tuple[Phase, PhaseEnergy] | None = None
 
     def start(self, speed_ratio: float = 1.0) -> Landed:
@@ -120,13 +103,8 @@ class RestrictedMap:
         reversal = up.reversal(start.dbeta)
         falling = self.stabiliser.falling(rising, reversal)
         down = falling_energy(self.biped, falling, reversal)
-        landing, dbeta, landed = land_on_constraints(self.biped, down)
-        zeta = 0.5 * (up.start_inertia * start.dbeta) ** 2
-        margins = [
-            *self._along("rising", up, zeta, reversal, rising.beta_start),
-            *self._along("falling", down, 0.0, reversal, falling.beta_end),
-            *self._at_impact(landing, dbeta),
-        ]
+        landed = land_on_constraints(self.biped, down)[2]
+        margins = [*self.limits.rising(up, start.dbeta, reversal), *self.limits.falling(down, reversal)]
         q_minus = landed.q[::-1]
         width = float(self.biped.joint_positions(q_minus)[3, 0])
         return RestrictedStep(start, reversal, rising, falling, landed, width, tuple(margins))
@@ -201,52 +179,6 @@ class RestrictedMap:
                     bad, why = middle, found.limited_by
             break
         return good, why
-
-    def _along(self, name: str, energy: PhaseEnergy, zeta: float, reversal: float, foot_end: float) -> list[Margin]:
-        """Contact constraints along a phase; ``foot_end`` is where the swing foot is on the ground [rad]."""
-        outer, inner = self.biped.sole
-        worst = dict.fromkeys(("friction", "normal force", "FRI in the sole", "torque", "swing foot clearance"), np.inf)
-        for panel in energy.panels:
-            beta = panel.motion.q[:, 0]
-            inside = beta <= reversal + 1e-12
-            if not np.any(inside):
-                break
-            value = np.exp(panel.growth(beta)) * (zeta - panel.spent(beta))
-            dynamics = panel.restricted
-            speed_squared = np.maximum(2.0 * value, 0.0) / dynamics.I_P**2
-            A, B, G = dynamics.projected
-            forces = (A * dynamics.acceleration(speed_squared) + B * speed_squared + G)[:, inside]
-            p = dynamics.p_fri[inside]
-            share = (beta[inside] - foot_end) / (reversal - foot_end)
-            lifted = share > 1e-3
-            found = {
-                "friction": self.friction - np.abs(forces[F_H] / forces[F_V]),
-                "normal force": forces[F_V] / self.biped.weight - self.min_normal_force,
-                "FRI in the sole": np.minimum(p - outer, inner - p) / (inner - outer),
-                "torque": np.min(1.0 - np.abs(forces[TORQUES]) / self.max_torque[:, None], axis=0),
-                "swing foot clearance": np.array(
-                    [
-                        self.biped.swing_sole(q)[:, 1].min() / (0.01 * s)
-                        for q, s in zip(panel.motion.q[inside][lifted], share[lifted], strict=True)
-                    ]
-                ),
-            }
-            for key, values in found.items():
-                worst[key] = min(worst[key], float(np.min(values, initial=np.inf)))
-        return [Margin(f"{key}, {name}", value) for key, value in worst.items()]
-
-    def _at_impact(self, landing: Landing, dbeta: float) -> list[Margin]:
-        outer, inner = self.biped.sole
-        L = landing.impulse * dbeta
-        lever = float(L[2] / L[1])
-        return [
-            Margin("touchdown speed", float(np.min(-landing.touchdown * dbeta)) / 0.05),
-            Margin("normal impulse", float(L[1]) / (0.1 * self.biped.mass)),
-            Margin("impulse in the friction cone", self.friction - abs(float(L[0] / L[1]))),
-            # the landing foot is mirrored: its inner end points towards -h
-            Margin("impulse in the sole", min(lever + inner, -outer - lever) / (inner - outer)),
-            Margin("lift-off of the old stance foot", float(np.min(landing.lift_off * dbeta)) / 0.05),
-        ]
 
 
 @dataclass(frozen=True)
