@@ -165,7 +165,13 @@ class PhaseEnergy:
 
 
 def phase_energy(
-    biped: FrontalBiped, phase: Phase, start: float, end: float, breaks: Sequence[float] = (), to_barrier: bool = False
+    biped: FrontalBiped,
+    phase: Phase,
+    start: float,
+    end: float,
+    breaks: Sequence[float] = (),
+    to_barrier: bool = False,
+    dbeta: float = np.inf,
 ) -> PhaseEnergy:
     """Integrate Gamma and R of a phase from ``start`` to ``end``.
 
@@ -176,6 +182,7 @@ def phase_energy(
         end: beta at the end [rad].
         breaks: beta at which panels end besides [rad].
         to_barrier: stop where the drive vanishes: the top of the energy barrier.
+        dbeta: speed at the start [rad/s]; the panel on which it reverses is the last one.
 
     Raises:
         ReversalError: I_P is not positive at the start.
@@ -208,7 +215,9 @@ def phase_energy(
         gamma, energy = float(panel.growth(reached)), float(panel.spent(reached))
         if reached != b:
             return _finish(panels, why)
-    return PhaseEnergy(tuple(panels), True, False, "that is as far as was looked")
+        if energy >= 0.5 * (panels[0].restricted.I_P[0] * dbeta) ** 2:
+            break
+    return PhaseEnergy(tuple(panels), panels[-1].end == end, False, "that is as far as was looked")
 
 
 def _panel(

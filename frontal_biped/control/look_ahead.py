@@ -37,7 +37,7 @@ from frontal_biped.virtual_constraints.anchoring import (
 )
 from frontal_biped.virtual_constraints.phase import Phase
 
-STRETCHES = (0.0, 0.1, 0.25, 0.4, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0)
+STRETCHES = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0)
 """Stretches tried, relative to the range of the rising phase."""
 
 HALVINGS = 3
@@ -49,7 +49,7 @@ RESERVE = 0.05
 NEAR = 0.003
 """Relative speed error up to which a landing is re-anchored without looking ahead; 1 kHz control leaves this much."""
 
-CLOSE = 0.1
+CLOSE = 0.05
 """Error of the next speed, relative to this one's, that needs no better phase."""
 
 SOLE_RESERVE = 0.006
@@ -72,6 +72,11 @@ class Outlook:
     def rank(self) -> tuple[float, float]:
         """Larger is better: limits first, then the speed."""
         return min(self.room, 0.0), -abs(self.miss)
+
+    @property
+    def enough(self) -> bool:
+        """Within the limits, and at least as fast as rho."""
+        return self.room >= 0.0 and self.miss >= 0.0
 
 
 NOWHERE = Outlook(-np.inf, -np.inf)
@@ -115,24 +120,28 @@ class LookAheadTransitions:
     # ------------------------------------------------------------------ rising
     def _stretched(self, phase: ContinuedPhase, dbeta: float, plain: Outlook) -> ContinuedPhase:
         """Of the stretches, the least that keeps the limits and brings the speed of rho, or the best there is."""
-        found: list[tuple[float, Outlook]] = [(0.0, plain)]
+
+        def tried(stretch: float) -> tuple[float, Outlook]:
+            return stretch, self._rising_outlook(self._longer(phase, stretch), dbeta)
+
+        fast = dbeta > self.gait.orbit.beta_dot_after_impact
+        found = [(0.0, plain)]
         for stretch in STRETCHES[1:]:
-            found.append((stretch, self._rising_outlook(self._longer(phase, stretch), dbeta)))
-            if found[-1][1].room >= 0.0 and found[-1][1].miss >= 0.0:
+            found.append(tried(stretch))
+            if found[-1][1].enough:
                 break  # the next speed grows with the stretch
         best = max(range(len(found)), key=lambda i: found[i][1].rank)
-        # the next speed grows with the stretch: the one wanted lies between this and the one before
-        if best > 0 and found[best][1].room >= 0.0 and found[best][1].miss > 0.0:
-            low, (high, outlook) = found[best - 1][0], found[best]
+        # it would be just enough somewhere between two of these
+        pair = found[best - 1 : best + 1] if found[best][1].miss >= 0.0 else found[best : best + 2]
+        if len(pair) == 2 and found[best][1].room >= 0.0:
+            low, high = pair[0][0], pair[1][0]
             for _ in range(HALVINGS):
-                middle = 0.5 * (low + high)
-                tried = self._rising_outlook(self._longer(phase, middle), dbeta)
-                if tried.room >= 0.0 and tried.miss >= 0.0:
-                    high, outlook = middle, tried
-                else:
-                    low = middle
-            return self._longer(phase, high)
-        return self._longer(phase, found[best][0])
+                found.append(tried(0.5 * (low + high)))
+                middle, outlook = found[-1]
+                # too long a stretch overloads a slow robot, too short a one a fast robot
+                too_long = outlook.enough or (outlook.room < 0.0 and not fast)
+                low, high = (low, middle) if too_long else (middle, high)
+        return self._longer(phase, max(found, key=lambda item: item[1].rank)[0])
 
     def _longer(self, phase: ContinuedPhase, stretch: float) -> ContinuedPhase:
         """The phase with its end moved outwards; past it the FRI target may use the sole up to `SOLE_RESERVE`."""
@@ -146,7 +155,7 @@ class LookAheadTransitions:
 
     def _rising_outlook(self, phase: ContinuedPhase, dbeta: float) -> Outlook:
         try:
-            energy = rising_energy(self.biped, phase)
+            energy = rising_energy(self.biped, phase, dbeta)
             reversal = energy.reversal(dbeta)
         except ReversalError:
             return NOWHERE
