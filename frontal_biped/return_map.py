@@ -31,7 +31,7 @@ PATIENCE = 3
 STEPS = 40
 """Steps after which a slow return is given up."""
 
-FIRST_PROBE, WIDENING = 0.02, 1.35
+FIRST_PROBE, WIDENING = 0.02, 1.4
 """Search of a basin: relative speed error tried first on either side, and the factor from one to the next."""
 
 FINEST, FINE = 0.004, 0.05

@@ -120,6 +120,7 @@ def robustness_card(
     push_stabiliser: str = "ankle",
     instants: Sequence[tuple[str, float]] = INSTANTS,
     push_resolution: float = PUSH_RESOLUTION,
+    samples: int = SAMPLES,
     executor: Executor | None = None,
     on_progress: Callable[[str], None] | None = None,
 ) -> RobustnessCard:
@@ -132,6 +133,7 @@ def robustness_card(
         push_stabiliser: with which to take pushes.
         instants: name and place in the step of each push; none: no pushes.
         push_resolution: of the largest pushes [N s].
+        samples: number of speeds at which each map is sampled.
         executor: runs the parts; default: this process, one after the other.
         on_progress: called with what is being done.
 
@@ -143,7 +145,7 @@ def robustness_card(
     parts: dict[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {}
     for name in stabilisers:
         parts[f"speeds that return, {name}"] = (
-            (fixed_basin, (biped, gait)) if name == "fixed" else (summarise_map, (biped, gait, name))
+            (fixed_basin, (biped, gait)) if name == "fixed" else (summarise_map, (biped, gait, name, samples))
         )
     for instant, place in instants:
         for direction in DIRECTIONS:
@@ -190,12 +192,12 @@ def _compute(
     return {name: future.result() for future, name in futures.items()}
 
 
-def summarise_map(biped: FrontalBiped, gait: Gait, stabiliser: str) -> MapSummary:
+def summarise_map(biped: FrontalBiped, gait: Gait, stabiliser: str, samples: int = SAMPLES) -> MapSummary:
     """Slope, basin and samples of the restricted map under a stabiliser, by name."""
     restricted = RestrictedMap(biped, gait, make_stabiliser(stabiliser, biped, gait))
     basin = restricted.basin()
     beyond = 0.1 * (basin.high - basin.low)
-    speeds = np.linspace(max(basin.low - beyond, 0.02), basin.high + beyond, SAMPLES)
+    speeds = np.linspace(max(basin.low - beyond, 0.02), basin.high + beyond, samples)
     following = restricted.sample(speeds)
     pairs = tuple((float(a), float(b)) for a, b in zip(speeds, following, strict=True))
     return MapSummary(restricted.slope(), basin, pairs)

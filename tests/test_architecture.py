@@ -34,10 +34,11 @@ MAY_IMPORT = {
         "model", "quadrature", "virtual_constraints", "zero_dynamics", "poincare", "gait", "simulation", "walking",
     },
     "library": {"model", "design", "gait"},
-    "control": {"model", "virtual_constraints", "gait", "quadratic_program", "phase_energy", "half_steps"},
-    "return_map": {
-        "model", "virtual_constraints", "zero_dynamics", "poincare", "phase_energy", "half_steps", "gait", "control",
+    "contact_margins": {"model", "zero_dynamics", "poincare", "phase_energy", "half_steps", "gait"},
+    "control": {
+        "model", "virtual_constraints", "gait", "quadratic_program", "phase_energy", "half_steps", "contact_margins",
     },
+    "return_map": {"model", "virtual_constraints", "phase_energy", "half_steps", "gait", "contact_margins", "control"},
     "simulation": {"model", "virtual_constraints", "control"},
 }  # fmt: skip
 

@@ -52,6 +52,9 @@ NEAR = 0.003
 CLOSE = 0.05
 """Error of the next speed, relative to this one's, that needs no better phase."""
 
+REJOINING = 0.03
+"""Relative speed error beyond which an early falling phase does not try to rejoin its planned path."""
+
 SOLE_RESERVE = 0.006
 """Distance from the end of the sole at which the FRI target of a stretched phase's continuation stops [m]."""
 
@@ -160,6 +163,8 @@ class LookAheadTransitions:
         except ReversalError:
             return NOWHERE
         room = self._room(self.limits.rising(energy, dbeta, reversal))
+        if room < 0.0:  # no falling phase can mend that
+            return Outlook(room, -np.inf)
         outlook = self._falling(phase, reversal, dbeta)[1]
         return Outlook(min(room, outlook.room), outlook.miss)
 
@@ -168,9 +173,9 @@ class LookAheadTransitions:
         """The first falling phase that keeps the limits with about the speed of rho, or the best there is."""
         best: tuple[Phase, Outlook] | None = None
         error = abs(dbeta / self.gait.orbit.beta_dot_after_impact - 1.0)
-        for phase in self._candidates(rising, reversal):
-            if error < NEAR:
-                return phase, NOWHERE
+        if error < NEAR:
+            return self.plain.falling(rising, reversal), NOWHERE
+        for phase in self._candidates(rising, reversal, error):
             outlook = self._falling_outlook(phase, reversal, dbeta)
             if outlook.room >= 0.0 and abs(outlook.miss) <= CLOSE * error:
                 return phase, outlook
@@ -179,10 +184,11 @@ class LookAheadTransitions:
         assert best is not None
         return best
 
-    def _candidates(self, rising: Phase, reversal: float) -> Iterator[Phase]:
-        yield self.plain.falling(rising, reversal)
+    def _candidates(self, rising: Phase, reversal: float, error: float) -> Iterator[Phase]:
         planned = self.gait.falling
         late = reversal >= rising.beta_end
+        if late or error < REJOINING:
+            yield self.plain.falling(rising, reversal)
         if late and abs(rising.beta_end - planned.beta_start) > AS_PLANNED:
             yield anchored_falling(self._rescaled(rising, rising.beta_end), rising, reversal)
         yield self._rescaled(rising, reversal)
@@ -234,5 +240,3 @@ class LookAheadTransitions:
         """Least margin beyond what is to be kept [-]."""
         room = min(margin.value - self._required[margin.name] for margin in margins)
         return room if np.isfinite(room) else -np.inf
-
-
