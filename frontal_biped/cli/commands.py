@@ -137,6 +137,13 @@ def run_simulate(arguments: argparse.Namespace) -> int:
     return TASK_FAILED if run.fell else SUCCESS
 
 
+def run_trial(arguments: argparse.Namespace) -> int:
+    """`frontal-biped trial`."""
+    from frontal_biped.cli import trial
+
+    return trial.run_trial(arguments)
+
+
 def run_view(arguments: argparse.Namespace) -> int:
     """`frontal-biped view`."""
     from frontal_biped.visualisation import animation_page, view_live

@@ -78,7 +78,7 @@ def _parser() -> argparse.ArgumentParser:
             name, help=summary, description=summary, epilog=f"example: {example}", parents=[common]
         )
 
-    def add_json(command: argparse.ArgumentParser) -> None:
+    def add_json(command: argparse._ActionsContainer) -> None:
         command.add_argument("--json", action="store_true", help="print the report as JSON")
 
     def add_robot(command: argparse.ArgumentParser, default: str | None) -> None:
@@ -187,6 +187,23 @@ def _parser() -> argparse.ArgumentParser:
     simulate.add_argument("-o", "--output", metavar="RUN.npz", type=Path, help="run file to write")
     add_json(simulate)
     simulate.set_defaults(run=_Run("simulate"))
+
+    trial = add(
+        "trial",
+        "Run scenarios: disturbed walks with expectations; exit status 1 if one does not hold.",
+        "frontal-biped trial examples/scenarios/push.scenario.toml --repeat 20 --seed 1 --jobs 2 --save runs",
+    )
+    trial.add_argument("scenarios", metavar="SCENARIO.toml", type=Path, nargs="+", help="scenario files")
+    trial.add_argument("--repeat", metavar="N", type=_positive_int, help="trials of each; default: what its file says")
+    trial.add_argument("--seed", metavar="S", type=_whole_number, help="of all trials; default: what each file says")
+    trial.add_argument("--only", metavar="K", type=_whole_number, help="only trial K, from 0, of each scenario")
+    trial.add_argument("--jobs", metavar="N", type=_positive_int, default=1, help="worker processes; default: 1")
+    trial.add_argument("--junit", metavar="FILE", type=Path, help="write JUnit XML")
+    trial.add_argument("--save", metavar="DIR", type=Path, help="keep a run file of every trial, for `view` and `plot`")
+    shown = trial.add_mutually_exclusive_group()
+    shown.add_argument("--markdown", action="store_true", help="print the table as Markdown")
+    add_json(shown)
+    trial.set_defaults(run=_Run("trial"))
 
     view = add(
         "view",
