@@ -194,10 +194,16 @@ def _parser() -> argparse.ArgumentParser:
         "frontal-biped view gait.json --html page.html",
     )
     view.add_argument("source", metavar="G.json|RUN.npz", type=Path, help="gait or run file")
+    view.add_argument("beside", metavar="SECOND", type=Path, nargs="?", help="a second one, shown beside the first")
     add_robot(view, None)
+    view.add_argument("--ghost", action="store_true", help="the desired posture as well, translucent")
+    view.add_argument("--overlay", action="store_true", help="the second run translucent over the first, not beside it")
     view.add_argument("--html", metavar="PAGE.html", type=Path, help="write one offline page instead of a live view")
     view.add_argument("--no-open", action="store_true", help="do not open a browser, only print the address")
-    view.set_defaults(run=_Run("view"))
+    view.add_argument(
+        "--port", metavar="N", type=_whole_number, default=0, help="of the live view; default: the first free one"
+    )
+    view.set_defaults(run=_Run("view", "view"))
 
     plot = add("plot", "Write the paper's figures and more.", "frontal-biped plot run.npz -o figures")
     plot.add_argument("source", metavar="G.json|RUN.npz", type=Path, help="gait or run file")
@@ -230,13 +236,13 @@ def _parser() -> argparse.ArgumentParser:
 class _Run:
     """The command of a name; its module, and Pinocchio with it, is imported when it runs, so --help stays fast."""
 
-    def __init__(self, name: str) -> None:
-        self.name = name
+    def __init__(self, name: str, module: str = "commands") -> None:
+        self.name, self.module = name, module
 
     def __call__(self, arguments: argparse.Namespace) -> int:
-        from frontal_biped.cli import commands
+        from importlib import import_module
 
-        function = getattr(commands, f"run_{self.name}")
+        function = getattr(import_module(f"frontal_biped.cli.{self.module}"), f"run_{self.name}")
         return int(function(arguments))
 
 
