@@ -53,6 +53,8 @@ ONLY_IN = {
     "distributed": {"library"},
     "mujoco": {"simulation"},
     "viser": {"studio"},
+    "playwright": {"visualisation"},
+    "PIL": {"visualisation"},
 }
 
 

@@ -205,6 +205,33 @@ def _parser() -> argparse.ArgumentParser:
     )
     view.set_defaults(run=_Run("view", "view"))
 
+    export = add(
+        "export",
+        "A run as CSV of joint angles, velocities, torques and FRI, as GIF, PNG or page, by the ending of -o; of a gait"
+        " its periodic orbit. GIF and PNG need the extra `browser`.",
+        "frontal-biped export run.npz -o run.csv --rate 200",
+    )
+    export.add_argument("source", metavar="G.json|RUN.npz", type=Path, help="gait or run file")
+    add_robot(export, None)
+    export.add_argument("-o", "--output", metavar="FILE", type=Path, required=True, help=".csv, .gif, .png or .html")
+    export.add_argument("--steps", metavar="N", type=_positive_int, help="default: all of a run, two of a gait")
+    export.add_argument(
+        "--coordinates",
+        choices=("urdf", "stance", "both"),
+        default="urdf",
+        help="CSV: the URDF's joints by name, the paper's stance coordinates, or both; default: urdf",
+    )
+    export.add_argument(
+        "--rate", metavar="HZ", type=_positive_float, help="CSV: rows per second; default: the samples of the run"
+    )
+    export.add_argument(
+        "--time", metavar="T", type=_not_negative_float, default=0.0, help="PNG: time of the run, s; default: 0"
+    )
+    export.add_argument("--fps", metavar="F", type=_positive_float, default=20.0, help="GIF: default: 20")
+    export.add_argument("--size", metavar="WxH", type=_size, help="pixels; default: 1280x800, of a GIF 640x480")
+    export.add_argument("--dark", action="store_true", help="light on dark")
+    export.set_defaults(run=_Run("export", "export"))
+
     plot = add("plot", "Write the paper's figures and more.", "frontal-biped plot run.npz -o figures")
     plot.add_argument("source", metavar="G.json|RUN.npz", type=Path, help="gait or run file")
     add_robot(plot, None)
@@ -254,6 +281,13 @@ def _positive_int(text: str) -> int:
     if value <= 0:
         raise argparse.ArgumentTypeError(f"{text!r} is not a positive whole number")
     return value
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.partition("x")
+    if not (width.isdecimal() and height.isdecimal() and min(int(width), int(height)) >= 100):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a size like 1280x800, 100 pixels or more")
+    return int(width), int(height)
 
 
 def _positive_float(text: str) -> float:

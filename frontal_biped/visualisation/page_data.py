@@ -33,7 +33,7 @@ PANELS: tuple[dict[str, Any], ...] = (
         "angle [rad]",
         [(name, f"q{i + 1}", *([f"d{i + 1}"] if i else [])) for i, name in enumerate(_JOINTS)],
     ),
-    _panel("fri", "FRI inside the sole", "p_FRI [mm]", [("from the ankle", "fri", "fri_target")]),
+    _panel("fri", "FRI and sole", "p_FRI [mm]", [("from the ankle", "fri", "fri_target")]),
     _panel("torques", "Torques", "torque [N m]", [(name, f"u{i + 1}") for i, name in enumerate(_JOINTS)]),
     _panel("portrait", "Phase portrait", "dβ/dt [rad/s]", [("stance ankle", "v1")], x="q1", xlabel="β = q1 [rad]"),
     _panel("force", "Ground reaction", "force [N]", [("vertical F_v", "fv"), ("horizontal F_h", "fh")]),
@@ -168,10 +168,11 @@ def samples(biped: FrontalBiped, trajectory: Trajectory) -> dict[str, Any]:
     }
 
 
-def _thinned(trajectory: Trajectory) -> tuple["np.ndarray[Any, np.dtype[np.intp]]", list[int]]:
+def _thinned(trajectory: Trajectory) -> tuple[np.ndarray[Any, np.dtype[np.intp]], list[int]]:
     """Indices of at most about `MOST_SAMPLES` samples, both ends of every phase among them, and where phases begin."""
     share = min(1.0, MOST_SAMPLES / len(trajectory.t))
-    kept, breaks = [], []
+    kept: list[np.ndarray[Any, np.dtype[np.intp]]] = []
+    breaks: list[int] = []
     for span in phase_spans(trajectory):
         first, last = span.samples.start, span.samples.stop - 1
         count = max(2, int(np.ceil(share * (last - first + 1))))

@@ -128,8 +128,8 @@ def drawable(trajectory: Trajectory) -> Trajectory:
     Raises:
         ValueError: the run has no sample that can be drawn.
     """
-    good = np.isfinite(np.column_stack([trajectory.t, trajectory.q, trajectory.stance_y])).all(axis=1)
-    count = len(good) if good.all() else int(np.argmin(good))
+    bad = np.flatnonzero(~np.isfinite(np.column_stack([trajectory.t, trajectory.q, trajectory.stance_y])).all(axis=1))
+    count = int(bad[0]) if len(bad) else len(trajectory.t)
     if not count:
         raise ValueError("the run has no posture to draw")
     cut: dict[str, Any] = {name: getattr(trajectory, name)[:count] for name in (*_INTERPOLATED, *_HELD, "t")}

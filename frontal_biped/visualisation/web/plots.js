@@ -235,17 +235,16 @@ class Plot {
   legend() {
     for (const old of [...this.header.children].slice(1)) old.remove();
     const notes = [];
-    if (this.panel.lines.some((line) => line.wanted)) notes.push("dashed: desired");
-    if (this.runs.length > 1) notes.push("dotted: " + this.hooks.second);
-    if (!this.overTime) notes.push("dashed: falling");
-    if (this.panel.key === "fri") notes.push("band: sole");
+    if (this.panel.lines.some((line) => line.wanted)) notes.push("dashed desired");
+    if (this.runs.length > 1) notes.push("dotted " + this.hooks.second);
+    if (!this.overTime) notes.push("dashed falling");
     for (const name of new Set(this.distant.map((limit) => limit.name))) {
       const values = this.distant.filter((limit) => limit.name === name).map((limit) => Math.abs(limit.value));
       notes.push(name + " " + (values.length > 1 ? "±" : "") + number(values[0]));
     }
     const note = document.createElement("span");
     note.className = "note";
-    note.textContent = note.title = notes.join("; ");
+    note.textContent = note.title = notes.join(", ");
     const keys = document.createElement("div");
     keys.className = "keys";
     this.header.append(note, keys);

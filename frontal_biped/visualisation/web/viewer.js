@@ -66,7 +66,7 @@
   // ------------------------------------------------------------------ light and dark
   const ROOM = {
     light: { top: [0.8, 0.87, 0.94], bottom: [0.97, 0.98, 0.99], floor: 0xe4e9ef, glow: 0x565a60, line: 0xaab4c2, rim: 0x222222 },
-    dark: { top: [0.07, 0.09, 0.12], bottom: [0.16, 0.19, 0.23], floor: 0x3a434e, glow: 0x101418, line: 0x5a6673, rim: 0xd8dee6 },
+    dark: { top: [0.12, 0.15, 0.19], bottom: [0.26, 0.3, 0.35], floor: 0x424c58, glow: 0x101418, line: 0x5a6673, rim: 0xd8dee6 },
   };
   let dark = about.theme === "dark" || (about.theme !== "light" && matchMedia("(prefers-color-scheme: dark)").matches);
   const paint = () => {
@@ -173,15 +173,20 @@
     }
   };
 
-  // What MeshCat has no command for: one light casts shadows, markers and ghosts do not
+  // What MeshCat has no command for: one light casts shadows, markers and ghosts do not; a ghost gives way to the robot
+  // where both are in one place, and markers are drawn over both
   const shade = () => {
     node("Lights", "SpotLight", "<object>").castShadow = true;
-    const plain = runs.flatMap((run) => ["contact", "centre_of_mass", "trace"].map((part) => [run.node, part]));
-    if (about.ghost) plain.push(["ghost"]);
-    if (about.overlaid) plain.push(["second"]);
-    for (const path of plain.filter((one) => exists("meshcat", ...one))) {
-      node("meshcat", ...path).traverse((part) => { part.castShadow = false; part.receiveShadow = false; });
-    }
+    const each = (paths, change) => {
+      for (const path of paths.filter((one) => exists("meshcat", ...one))) node("meshcat", ...path).traverse(change);
+    };
+    const ghosts = [...(about.ghost ? [["ghost"]] : []), ...(about.overlaid ? [["second"]] : [])];
+    const marks = runs.flatMap((run) => ["contact", "centre_of_mass", "trace"].map((part) => [run.node, part]));
+    each([...ghosts, ...marks], (part) => { part.castShadow = false; part.receiveShadow = false; });
+    each(ghosts, ({ material }) => {
+      if (material) Object.assign(material, { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8, depthWrite: false });
+    });
+    each(marks, (part) => { part.renderOrder = part.parent.name === "rim" ? 2 : 3; });
     viewer.set_dirty();
   };
 
@@ -198,7 +203,7 @@
     return [Math.max(0, start), Math.max(0, start) + length];
   };
   const plotted = runs.filter((run) => run.samples).map((run) => ({ ...run, data: unpack(run.samples) }));
-  const hooks = { seek, time: now, window: shownTimes, second: runs.length > 1 ? "B, " + runs[1].robot : "" };
+  const hooks = { seek, time: now, window: shownTimes, second: "B" };
   const plots = [];
   if (plotted.length) for (let k = 0; k < 4; k++) plots.push(new Plot(at("plots"), about, plotted, k, hooks));
   document.body.classList.toggle("bare", !plots.length);
@@ -223,6 +228,7 @@
     at("clock").textContent = time.toFixed(2) + " / " + duration().toFixed(2) + " s";
     for (const tell of captions) tell(time);
     uncover(time);
+    viewer.set_dirty();
     const say = !animator().playing || clock - said > 80; // digits that can be read
     if (say) said = clock;
     for (const plot of plots) plot.follow(time, say);
