@@ -14,7 +14,7 @@ from frontal_biped.analysis import analyze
 from frontal_biped.cli.demo import make_demo
 from frontal_biped.cli.main import SUCCESS, TASK_FAILED
 from frontal_biped.cli.progress import Progress
-from frontal_biped.cli.view import VIEWED_STEPS
+from frontal_biped.cli.view import VIEWED_STEPS, watched
 from frontal_biped.design import default_specification, design_gait, load_specification
 from frontal_biped.exceptions import FrontalBipedError, GaitFileError
 from frontal_biped.files import require_folder, require_parent
@@ -141,7 +141,7 @@ def run_plot(arguments: argparse.Namespace) -> int:
     from frontal_biped.visualisation import write_figures
 
     biped, gait, run = _load_source(arguments, walk=True)
-    for path in write_figures(arguments.output, biped, gait, run):
+    for path in write_figures(arguments.output, biped, gait, run, arguments.format):
         sys.stdout.write(f"{path}\n")
     return SUCCESS
 
@@ -203,11 +203,13 @@ def _walk(
         )
 
 
-def _load_source(arguments: argparse.Namespace, walk: bool) -> tuple[FrontalBiped, Gait, Trajectory | None]:
-    """Robot, gait and run of a gait or run file; a gait is walked first."""
+def _load_source(arguments: argparse.Namespace, walk: bool) -> tuple[FrontalBiped, Gait | None, Trajectory | None]:
+    """Robot, gait and run of a gait or run file; a gait is walked first, a run may lack its gait."""
     source: Path = arguments.source
     if source.suffix == ".npz":
         run = load_trajectory(source)
+        if not run.gait:
+            return watched(source, arguments.robot)[0], None, run
         gait = _gait_of(run, source)
         return _robot_of(gait, arguments), gait, run
     gait = load_gait(source)

@@ -238,6 +238,13 @@ def _parser() -> argparse.ArgumentParser:
     plot.add_argument(
         "-o", "--output", metavar="DIR", type=Path, default=Path("figures"), help="folder; default: figures"
     )
+    plot.add_argument(
+        "--format",
+        metavar="F,F",
+        type=_figure_formats,
+        default=("svg", "png"),
+        help="svg, pdf, png, or several with commas; default: svg,png",
+    )
     plot.set_defaults(run=_Run("plot"))
 
     robots = add(
@@ -281,6 +288,14 @@ def _positive_int(text: str) -> int:
     if value <= 0:
         raise argparse.ArgumentTypeError(f"{text!r} is not a positive whole number")
     return value
+
+
+def _figure_formats(text: str) -> tuple[str, ...]:
+    formats = tuple(part.strip().lower() for part in text.split(","))
+    wrong = [part for part in formats if part not in ("svg", "pdf", "png")]
+    if wrong:
+        raise argparse.ArgumentTypeError(f"{wrong[0]!r} is none of svg, pdf, png")
+    return formats
 
 
 def _size(text: str) -> tuple[int, int]:

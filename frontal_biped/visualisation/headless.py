@@ -10,6 +10,7 @@ from typing import Any
 
 from frontal_biped.exceptions import FrontalBipedError, MissingExtraError
 from frontal_biped.files import atomic_path
+from frontal_biped.visualisation.markers import COLOURS
 
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 CHROMIUM_OPTIONS = (
@@ -102,14 +103,27 @@ def write_gif(html: str, target: Path, times: Sequence[float], fps: float, size:
     from PIL import Image
 
     with opened_page(html, size) as page:
+        page.evaluate("document.body.classList.add('still')")
         frames = [Image.open(io.BytesIO(picture(page, time, "main"))).convert("RGB") for time in times]
-    # one palette for all frames: colours do not flicker
-    palette = frames[len(frames) // 2].quantize(colors=128)
+    palette = _palette(frames)
     small = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     with atomic_path(target) as temporary:
         small[0].save(
             temporary, save_all=True, append_images=small[1:], duration=round(1000.0 / fps), loop=0, format="GIF"
         )
+
+
+def _palette(frames: Sequence[Any]) -> Any:
+    """One palette for all frames, lest colours flicker, that keeps the few pixels of the markers."""
+    from PIL import Image
+
+    middle, side = frames[len(frames) // 2], 64
+    sample = Image.new("RGB", (middle.width, middle.height + side), "white")
+    sample.paste(middle, (0, 0))
+    for k, colour in enumerate(COLOURS.values()):
+        rgb = (colour >> 16, (colour >> 8) & 255, colour & 255)
+        sample.paste(rgb, (k * side, middle.height, (k + 1) * side, middle.height + side))
+    return sample.quantize(colors=256)
 
 
 def _first_line(error: Exception) -> str:
