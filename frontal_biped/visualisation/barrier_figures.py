@@ -1,6 +1,7 @@
 """Will it tip over? The energy barrier of a gait, and what perturbed steps do before it."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -122,7 +123,7 @@ def run_levels(biped: FrontalBiped, trajectory: Trajectory) -> tuple[FloatArray,
     """
     spans = phase_spans(trajectory)
     places, levels = [], []
-    for span, after in zip(spans, spans[1:], strict=False):
+    for span, after in pairwise(spans):
         if not span.rising or after.rising or after.step != span.step:
             continue
         first, last = span.samples.start, span.samples.stop - 1
