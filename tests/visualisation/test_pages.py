@@ -171,12 +171,10 @@ def test_channels_are_the_samples_of_the_run(biped, walk):
     channels = unpacked(table)
     assert table["count"] == min(len(walk.t), table["count"]) <= MOST_SAMPLES + 2 * len(phase_spans(walk))
     assert all(len(values) == table["count"] for values in channels.values())
-    rows = np.searchsorted(walk.t, channels["t"][1:-1], side="left")
     single = 1e-5  # float32 of seconds and radians
     beta = np.interp(channels["t"], walk.t, walk.q[:, 0])
     inside = ~np.isin(np.arange(table["count"]), [*table["breaks"], *(np.array(table["breaks"]) - 1)])
     np.testing.assert_allclose(channels["q1"][inside], beta[inside], atol=single)
-    assert len(rows) == table["count"] - 2
     # heights of the swing sole: on the ground at the end of every step, never below it
     for name in ("inner", "outer"):
         assert channels[name].min() > -0.1
