@@ -56,6 +56,8 @@ ONLY_IN = {
     "mujoco": {"simulation"},
     "viser": {"studio"},
     "pytest": {"pytest_plugin"},
+    "playwright": {"visualisation"},
+    "PIL": {"visualisation"},
 }
 
 
