@@ -41,7 +41,7 @@ MAY_IMPORT = {
     "simulation": {"model", "virtual_constraints", "control"},
 }  # fmt: skip
 
-APPLICATIONS = {"cli", "demo", "__main__"}
+APPLICATIONS = {"cli", "demo", "studio", "__main__"}
 """They see everything, and nothing below sees them."""
 
 # foreign package: the only places that may import it
