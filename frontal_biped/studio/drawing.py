@@ -17,7 +17,7 @@ from frontal_biped.model.geometry import IntArray
 from frontal_biped.simulation import Trajectory
 from frontal_biped.simulation.disturbances import Push
 from frontal_biped.visualisation.meshcat_page import SceneRecorder
-from frontal_biped.visualisation.scene import CONTACT, COM, animate, draw_scene, frontal_camera
+from frontal_biped.visualisation.scene import COM, CONTACT, animate, draw_scene, frontal_camera
 
 FPS = 30.0
 PREFIX = "/meshcat/"
@@ -199,7 +199,9 @@ def _round(top: float, bottom: float, half: float) -> tuple[FloatArray, IntArray
     j = (i + 1) % _AROUND
     n = _AROUND
     side = [np.stack([i, i + n, j + n], 1), np.stack([i, j + n, j], 1)]
-    ends = [np.stack([np.full(n, 4 * n), i + 2 * n, j + 2 * n], 1), np.stack([np.full(n, 4 * n + 1), j + 3 * n, i + 3 * n], 1)]
+    upper = np.stack([np.full(n, 4 * n), i + 2 * n, j + 2 * n], 1)
+    lower = np.stack([np.full(n, 4 * n + 1), j + 3 * n, i + 3 * n], 1)
+    ends = [upper, lower]
     return vertices, np.vstack(side + ends)
 
 

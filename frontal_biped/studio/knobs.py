@@ -18,7 +18,8 @@ class Knob:
 
     Attributes:
         key: of the specification.
-        label: on screen, with the unit shown.
+        label: on screen.
+        unit: shown.
         low: its left end, in the unit shown.
         high: its right end.
         step: between two values.
@@ -29,6 +30,7 @@ class Knob:
 
     key: str
     label: str
+    unit: str
     low: float
     high: float
     step: float
@@ -45,6 +47,12 @@ class Knob:
         if isinstance(value, tuple):
             return self._nearest(value[0]), self._nearest(value[1])
         return self._nearest(float(value))
+
+    def text(self, value: Value) -> str:
+        """Label for a value: viser writes single values beside the slider, the ends of a range it does not."""
+        if isinstance(value, tuple):
+            return f"{self.label} {value[0]:.2f}–{value[1]:.2f} {self.unit}"
+        return f"{self.label}: free" if value == self.free else f"{self.label} [{self.unit}]"
 
     def applied(self, specification: GaitSpecification, value: Value) -> GaitSpecification:
         """The specification with the slider at a value.
@@ -74,17 +82,17 @@ def knobs_for(biped: FrontalBiped) -> tuple[Knob, ...]:
     narrowest = float(np.floor(50.0 * hip) / 100.0)
     margin = float(max(1.0, np.floor(400.0 * sole)))
     return (
-        Knob("max_pelvis_roll", "pelvis roll [deg]", 2.0, 20.0, 0.5, degree, 20.0,
+        Knob("max_pelvis_roll", "pelvis roll", "deg", 2.0, 20.0, 0.5, degree, 20.0,
              "the pelvis rolls no more than this; 20: free"),
-        Knob("step_duration", "step time [s]", 0.2, 1.2, 0.01, 1.0, None, "shortest and longest step [C09]"),
-        Knob("step_width", "step width [m]", narrowest, widest, 0.01, 1.0, None, "distance between the ankles"),
-        Knob("swing_clearance", "clearance [mm]", 0.0, 40.0, 1.0, 1e3, None,
+        Knob("step_duration", "time", "s", 0.2, 1.2, 0.01, 1.0, None, "shortest and longest step [C09]"),
+        Knob("step_width", "width", "m", narrowest, widest, 0.01, 1.0, None, "distance between the ankles"),
+        Knob("swing_clearance", "clearance", "mm", 0.0, 40.0, 1.0, 1e3, None,
              "height of the swing sole at the reversal [C05]"),
-        Knob("friction", "friction [-]", 0.1, 1.0, 0.02, 1.0, None, "coefficient of friction [C06, C07]"),
-        Knob("fri_margin", "FRI margin [mm]", 0.0, margin, 0.5, 1e3, None,
+        Knob("friction", "friction", "-", 0.1, 1.0, 0.02, 1.0, None, "coefficient of friction [C06, C07]"),
+        Knob("fri_margin", "FRI margin", "mm", 0.0, margin, 0.5, 1e3, None,
              "the FRI keeps this distance from the ends of the sole [C06]"),
-        Knob("touchdown_speed", "touchdown [m/s]", 0.0, 0.3, 0.01, 1.0, None,
+        Knob("touchdown_speed", "touchdown", "m/s", 0.0, 0.3, 0.01, 1.0, None,
              "both ends of the sole come down at least this fast [C04]"),
-        Knob("min_energy_margin", "energy margin [-]", 0.0, 3.0, 0.1, 1.0, 0.0,
+        Knob("min_energy_margin", "energy margin", "-", 0.0, 3.0, 0.1, 1.0, 0.0,
              "energy to spare before tipping outwards, over the orbit's; 0: free"),
     )  # fmt: skip

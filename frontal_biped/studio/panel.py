@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from frontal_biped.design import GaitSpecification
 from frontal_biped.model import robot_names
 from frontal_biped.studio.jobs import PUSH_MOMENTS
 from frontal_biped.studio.knobs import Knob
@@ -24,7 +25,8 @@ class Panel:
         self._server, self._session = server, session
         self._shown: dict[str, Any] = {}
         self._sliders: dict[str, Any] = {}
-        self._robot, self._specification = "", None
+        self._robot = ""
+        self._specification: GaitSpecification | None = None
         gui = server.gui
         gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 114, 178))
         gui.main_panel.dock_right()
@@ -45,7 +47,7 @@ class Panel:
         with gui.add_folder("constraints", order=4):
             self._margins = gui.add_html("")
         with gui.add_folder("show and save", order=5):
-            self.speed = gui.add_slider("speed", 0.1, 1.0, 0.05, 1.0, hint="1: real time")
+            self.speed = gui.add_slider("speed", 0.0, 1.0, 0.05, 1.0, hint="1: real time; 0: still")
             self._phase = gui.add_html("")
             save = gui.add_button("Save gait and page", hint="into the folder where the studio was started")
             self._notice = gui.add_html("")
@@ -82,23 +84,26 @@ class Panel:
             for knob in knobs:
                 value = knob.shown(state.specification)
                 make = gui.add_multi_slider if isinstance(value, tuple) else gui.add_slider
-                slider = make(knob.label, knob.low, knob.high, knob.step, value, hint=knob.hint)
+                slider = make(knob.text(value), knob.low, knob.high, knob.step, value, hint=knob.hint)
                 slider.on_update(lambda event, key=knob.key: self._on_slider(event, key))
                 self._sliders[knob.key] = slider
-            reset = gui.add_button("Reset", hint="the specification that suits the robot")
+            reset = gui.add_button("Reset", color="gray", hint="the specification that suits the robot")
             reset.on_click(lambda _: self._session.reset())
 
     def _place_sliders(self, state: State) -> None:
         """Sliders follow a reset; the one under the user's hand already stands where it should."""
         for knob in state.knobs:
             value = knob.shown(state.specification)
-            if self._sliders[knob.key].value != value:
-                self._sliders[knob.key].value = value
+            slider, label = self._sliders[knob.key], knob.text(value)
+            if slider.value != value:
+                slider.value = value
+            if slider.label != label:
+                slider.label = label
 
     def _on_slider(self, event: Any, key: str) -> None:
         if event.client is not None:  # not our own doing
             value = event.target.value
-            self._session.turn(key, tuple(map(float, value)) if isinstance(value, tuple) else float(value))
+            self._session.turn(key, (float(value[0]), float(value[1])) if isinstance(value, tuple) else float(value))
 
     def _on_robot(self, event: Any) -> None:
         if event.client is not None and event.target.value != self._session.state.robot:

@@ -21,6 +21,7 @@ from frontal_biped.studio.drawing import Clip, Drawing
 from frontal_biped.studio.knobs import Knob, Value, knobs_for
 from frontal_biped.studio.worker import Job, Listener, NewestFirst
 
+
 class Worker(Protocol):
     """What a session asks of a worker; see `worker.NewestFirst`."""
 
@@ -89,9 +90,7 @@ class Session:
         RobotError: the robot cannot be loaded.
     """
 
-    def __init__(
-        self, robot: str, folder: Path, make_worker: Callable[[Listener, str], Worker] = NewestFirst
-    ) -> None:
+    def __init__(self, robot: str, folder: Path, make_worker: Callable[[Listener, str], Worker] = NewestFirst) -> None:
         self.folder = folder
         self.on_change: Callable[[State], None] = lambda _: None
         self._lock = threading.RLock()

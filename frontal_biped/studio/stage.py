@@ -35,7 +35,8 @@ class Stage:
         self._drawing: Drawing | None = None
         self._gait: Clip | None = None
         self._once: Clip | None = None
-        self._began = self._told = 0.0
+        self._frame = self._told = 0.0
+        self._pictured: tuple[int, int] | None = None
         self._ended = threading.Event()
         self.speed = 1.0
         scene = server.scene
@@ -53,10 +54,9 @@ class Stage:
             if drawing is not self._drawing:
                 self._draw(drawing)
             if gait is not self._gait or (once is not None and once is not self._once):
-                self._began = time.monotonic()
-            self._gait = gait
-            if once is not self._once:
-                self._once = once
+                self._frame = 0.0
+            self._gait, self._once = gait, once
+            self._pictured = None
 
     def close(self) -> None:
         """Stop the clock."""
@@ -74,6 +74,10 @@ class Stage:
         with self._server.atomic():
             for shape in drawing.shapes:
                 self._add_parents(shape.node)
+                position, scale = shape.pose[:3, 3], (1.0, 1.0, 1.0)
+                if shape.node.endswith("/rim"):
+                    # the page draws it below its marker; here it is a disc behind it
+                    position, scale = position - [BEFORE, 0.0, 0.0], (0.1, 1.0, 1.0)
                 handle = scene.add_mesh_simple(
                     f"/{shape.node}",
                     shape.vertices,
@@ -84,7 +88,8 @@ class Stage:
                     side="double",
                     cast_shadow=False,
                     receive_shadow=not shape.marker,
-                    position=shape.pose[:3, 3],
+                    position=position,
+                    scale=scale,
                     wxyz=_wxyz(shape.pose),
                 )
                 self._shapes[shape.node] = (shape, handle)
@@ -106,19 +111,25 @@ class Stage:
 
     # ------------------------------------------------------------------ motion
     def _run(self) -> None:
+        before = time.monotonic()
         while not self._ended.wait(1.0 / FPS):
-            if self._server.get_clients():
-                with self._lock:
-                    self._tick(time.monotonic())
+            now = time.monotonic()
+            with self._lock:
+                self._frame += (now - before) * FPS * self.speed
+                if self._server.get_clients():
+                    self._tick(now)
+            before = now
 
     def _tick(self, now: float) -> None:
-        frame = (now - self._began) * FPS * self.speed
-        clip = self._gait
-        if self._once is not None and frame < self._once.frames + HELD * FPS * self.speed:
+        clip, frame = self._gait, int(self._frame)
+        if self._once is not None and frame < self._once.frames + HELD * FPS:
             clip = self._once
         if clip is None or self._drawing is None:
             return
-        index = min(int(frame), clip.frames - 1) if clip is self._once else int(frame) % clip.frames
+        index = min(frame, clip.frames - 1) if clip is self._once else frame % clip.frames
+        if (id(clip), index) == self._pictured:
+            return
+        self._pictured = (id(clip), index)
         with self._server.atomic():
             for name, track in clip.tracks.items():
                 if name in self._nodes:
@@ -157,7 +168,7 @@ def _wxyz(pose: FloatArray) -> FloatArray:
 
 
 def _sky() -> "np.ndarray[Any, np.dtype[np.uint8]]":
-    """The page's background, light above and lighter below."""
+    """(256, 2, 3) the page's background, light above and lighter below."""
     top, bottom = np.array([0.80, 0.87, 0.94]), np.array([0.97, 0.98, 0.99])
     down = np.linspace(0.0, 1.0, 256)[:, None]
     rows = (1.0 - down) * top + down * bottom

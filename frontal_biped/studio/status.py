@@ -45,8 +45,9 @@ def margins(report: ConstraintReport | None) -> str:
             f'<tr><td style="color:{colour}"><b>{html.escape(code)}</b></td><td style="text-align:left">'
             f"{html.escape(check.name)}</td>{cells}<td style='text-align:left'>{html.escape(check.unit)}</td></tr>"
         )
-    head = "<tr><th></th><th style='text-align:left'>tightest point</th><th>value</th><th>bound</th><th>margin</th><th></th></tr>"
-    style = "width:100%;border-collapse:collapse;text-align:right;font-size:.92em"
+    head = "<tr><th></th><th style='text-align:left'>tightest point</th>"
+    head += "".join(f"<th style='padding:0 .3em'>{word}</th>" for word in ("value", "bound", "margin", "")) + "</tr>"
+    style = "overflow-wrap:normal;width:100%;border-collapse:collapse;text-align:right;font-size:.92em"
     return _page(f'<table style="{style}">{head}{"".join(rows)}</table>')
 
 
@@ -70,9 +71,7 @@ def _certificate(state: State) -> str:
         return f'<div style="color:{_PLAIN}">certificate: {html.escape(state.busy or "waiting")} …</div>'
     verdict = "certified in closed form" if found.certified else "NOT certified: " + "; ".join(found.objections)
     colour = _GOOD if found.certified else _BAD
-    lines = [
-        f'<div style="color:{colour}"><b>{html.escape(verdict)}</b>, largest residual {found.residual:.0e}</div>'
-    ]
+    lines = [f'<div style="color:{colour}"><b>{html.escape(verdict)}</b>, largest residual {found.residual:.0e}</div>']
     for title, text in found.rows:
         if title.startswith("Z("):
             short = text.split("; zeros")[0]
