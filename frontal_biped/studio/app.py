@@ -9,7 +9,6 @@ import threading
 import webbrowser
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from frontal_biped.exceptions import FrontalBipedError, MissingExtraError
 from frontal_biped.studio.session import Session, State
@@ -50,16 +49,21 @@ class Studio:
         self.url = f"http://{HOST}:{self.server.get_port()}/"
         self._panel = Panel(self.server, self.session)
         self._stage = Stage(self.server, self._panel.show_phase)
-        self._panel.speed.on_update(self._on_speed)
+        self._panel.speed.on_update(lambda _: self._stage.play(float(self._panel.speed.value)))
         self.session.on_change = self._show
         self.session.begin()
+
+    def speed(self, value: float) -> None:
+        """Play at a fraction of real time; 0 stands still."""
+        self._panel.speed.value = value
 
     def close(self) -> None:
         """Stop serving, end the workers, free the port."""
         self.session.on_change = lambda _: None
         self._stage.close()
         self.session.close()
-        self.server.stop()
+        with contextlib.redirect_stdout(io.StringIO()):
+            self.server.stop()
 
     def __enter__(self) -> "Studio":
         return self
@@ -71,9 +75,6 @@ class Studio:
         with self.server.atomic():
             self._panel.show(state)
         self._stage.show(state.drawing, state.clip if state.drawing is not None else None, state.push_clip)
-
-    def _on_speed(self, _: Any) -> None:
-        self._stage.speed = float(self._panel.speed.value)
 
 
 def run_studio(robot: str, port: int = 0, open_browser: bool = True) -> None:

@@ -114,7 +114,12 @@ def design(tell: Tell, name: str, specification: GaitSpecification, start: Gait 
         tell(f"designing: iteration {iteration}, J = {cost:.1f}{missed}")
 
     tell("designing")
-    result = design_gait(biped, specification, start=start, on_progress=show)
+    # from the present gait first: that is fast, where other starts and advice may take a minute
+    hurried = start is not None
+    result = design_gait(biped, specification, start=start, fall_back=not hurried, advise=not hurried, on_progress=show)
+    if result.gait is None and hurried:
+        tell("no way from the present gait; trying other starts, and what to relax")
+        result = design_gait(biped, specification)
     clip = None if result.gait is None else gait_clip(biped, result.gait)
     return Designed(result.gait, result.report, result.message, result.seconds, clip)
 

@@ -38,7 +38,7 @@ class Stage:
         self._frame = self._told = 0.0
         self._pictured: tuple[int, int] | None = None
         self._ended = threading.Event()
-        self.speed = 1.0
+        self._speed = 1.0
         scene = server.scene
         scene.set_up_direction("+z")
         scene.configure_environment_map("studio", environment_intensity=0.35)
@@ -57,6 +57,10 @@ class Stage:
                 self._frame = 0.0
             self._gait, self._once = gait, once
             self._pictured = None
+
+    def play(self, speed: float) -> None:
+        """Set the speed, a fraction of real time."""
+        self._speed = speed
 
     def close(self) -> None:
         """Stop the clock."""
@@ -77,7 +81,7 @@ class Stage:
                 position, scale = shape.pose[:3, 3], (1.0, 1.0, 1.0)
                 if shape.node.endswith("/rim"):
                     # the page draws it below its marker; here it is a disc behind it
-                    position, scale = position - [BEFORE, 0.0, 0.0], (0.1, 1.0, 1.0)
+                    position, scale = position - [0.02, 0.0, 0.0], (0.05, 1.0, 1.0)
                 handle = scene.add_mesh_simple(
                     f"/{shape.node}",
                     shape.vertices,
@@ -115,7 +119,7 @@ class Stage:
         while not self._ended.wait(1.0 / FPS):
             now = time.monotonic()
             with self._lock:
-                self._frame += (now - before) * FPS * self.speed
+                self._frame += (now - before) * FPS * self._speed
                 if self._server.get_clients():
                     self._tick(now)
             before = now
