@@ -43,7 +43,7 @@ MAY_IMPORT = {
     "scenarios": {"model", "gait", "control", "design", "simulation", "walking"},
 }  # fmt: skip
 
-APPLICATIONS = {"cli", "demo", "pytest_plugin", "__main__"}
+APPLICATIONS = {"cli", "demo", "studio", "pytest_plugin", "__main__"}
 """They see everything, and nothing below sees them."""
 
 # foreign package: the only places that may import it

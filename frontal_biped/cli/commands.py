@@ -136,13 +136,6 @@ def run_simulate(arguments: argparse.Namespace) -> int:
     return TASK_FAILED if run.fell else SUCCESS
 
 
-def run_trial(arguments: argparse.Namespace) -> int:
-    """`frontal-biped trial`."""
-    from frontal_biped.cli import trial
-
-    return trial.run_trial(arguments)
-
-
 def run_plot(arguments: argparse.Namespace) -> int:
     """`frontal-biped plot`."""
     from frontal_biped.visualisation import write_figures

@@ -4,6 +4,7 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 from pathlib import Path
 
 from frontal_biped.exceptions import FrontalBipedError
@@ -203,7 +204,7 @@ def _parser() -> argparse.ArgumentParser:
     shown = trial.add_mutually_exclusive_group()
     shown.add_argument("--markdown", action="store_true", help="print the table as Markdown")
     add_json(shown)
-    trial.set_defaults(run=_Run("trial"))
+    trial.set_defaults(run=_Run("trial", "trial"))
 
     view = add(
         "view",
@@ -264,6 +265,18 @@ def _parser() -> argparse.ArgumentParser:
     )
     plot.set_defaults(run=_Run("plot"))
 
+    studio = add(
+        "studio",
+        "Set the specification with sliders in the browser, watch the gait designed anew, push the robot.",
+        "frontal-biped studio --robot talos_full",
+    )
+    add_robot(studio, "frontal_biped")
+    studio.add_argument(
+        "--port", metavar="P", type=_positive_int, default=0, help="port; default: the first free one from 8080 on"
+    )
+    studio.add_argument("--no-open", action="store_true", help="do not open a browser, only print the address")
+    studio.set_defaults(run=_Run("studio", "studio"))
+
     robots = add(
         "robots",
         "What can be walked; or propose a description for a URDF, or a posture for a description.",
@@ -291,9 +304,8 @@ class _Run:
         self.name, self.module = name, module
 
     def __call__(self, arguments: argparse.Namespace) -> int:
-        from importlib import import_module
-
-        function = getattr(import_module(f"frontal_biped.cli.{self.module}"), f"run_{self.name}")
+        commands = import_module(f"frontal_biped.cli.{self.module}")
+        function = getattr(commands, f"run_{self.name}")
         return int(function(arguments))
 
 
