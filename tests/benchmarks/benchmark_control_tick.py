@@ -3,8 +3,8 @@
 python tests/benchmarks/benchmark_control_tick.py [--ticks N]
 
 Every state is given to each contender in turn, so that one run compares them under the same load; times are CPU times
-of the thread, which a busy machine inflates but does not interrupt. "bare ProxQP" is update() and solve() of the walking
-program alone, kept warm from tick to tick, without a line of the package around it.
+of the thread, which a busy machine inflates but does not interrupt. "bare ProxQP" is update() and solve() of the
+walking program alone, kept warm from tick to tick, without a line of the package around it.
 
 TSID 1.10.0 is optional. Its wheels corrupt the heap beside Pinocchio 4; built from source it works:
 pip install --no-binary libtsid,tsid tsid==1.10.0 pin==4.1.0      (about 7 minutes)
