@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -63,9 +64,7 @@ def simulate(
     base = simulation_settings or SimulationSettings()
     settings = replace(base, steps=steps, period=period, disturbances=disturbances or base.disturbances)
     chosen = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
-    if controller_settings is None and period is not None:
-        controller_settings = replace(ControllerSettings.for_gait(gait), frequency=sampled_frequency(period))
-    controller = QpController(biped, gait, controller_settings, chosen)
+    controller = QpController(biped, gait, controller_settings or sampled_settings(gait, period), chosen)
     q, dq = gait.state_after_impact()
     stored = {**asdict(controller.settings), "speed_error": speed_error, "stabiliser": chosen.name}
     run = simulate_walk(
@@ -80,7 +79,8 @@ def simulate(
         gait=gait_to_dict(gait),
         controller_settings=stored,
     )
-    counted = {**stored, "ticks": controller.ticks, "unsolved": controller.unsolved, "declined": controller.declined}
+    counters = ("ticks", "unsolved", "relaxed", "held", "declined")
+    counted = {**stored, **{name: getattr(controller, name) for name in counters}}
     return replace(run, settings={**run.settings, "controller": counted})
 
 
@@ -96,6 +96,7 @@ def walk(
     stabiliser: Stabiliser | str | None = None,
     disturbances: Disturbances | None = None,
     errors: ModelErrors | None = None,
+    controller_settings: ControllerSettings | None = None,
     on_step: Callable[[int], None] | None = None,
 ) -> Trajectory:
     """Walk a gait under a `Walker`, which sees sensor readings only, in MuJoCo or in our own simulator.
@@ -111,6 +112,7 @@ def walk(
         stabiliser: a stabiliser, or one of `STABILISERS` by name; default: the walker's own.
         disturbances: noise, delay, pushes, ground; the walker knows the delay.
         errors: how the robot that walks differs from ``biped``.
+        controller_settings: gains and limits; default: the walker's own.
         on_step: called with the number of completed steps.
 
     Returns:
@@ -123,9 +125,8 @@ def walk(
     if engine not in ENGINES:
         raise SimulationError(f"no engine {engine!r}; known: {', '.join(ENGINES)}")
     known = disturbances or Disturbances()
-    walker = Walker(
-        biped, gait, period=period, stabiliser=stabiliser, delay=period * known.delay_ticks(period)
-    )
+    delay = period * known.delay_ticks(period)
+    walker = Walker(biped, gait, period=period, settings=controller_settings, stabiliser=stabiliser, delay=delay)
     q, dq = gait.state_after_impact()
     settings = SimulationSettings(steps=steps, period=period, disturbances=known)
     return ENGINES[engine](
@@ -142,6 +143,18 @@ def walk(
 
 
 ENGINES: dict[str, Callable[..., Trajectory]] = {"ours": walk_sensed, "mujoco": walk_in_mujoco}
+
+
+def sampled_settings(gait: Gait, period: float | None, **changes: Any) -> ControllerSettings:
+    """Limits of the gait's specification, and with a period the gains of `sampled_frequency`.
+
+    Args:
+        gait: the gait.
+        period: control period [s]; None: continuous control.
+        changes: other fields of the settings.
+    """
+    settings = replace(ControllerSettings.for_gait(gait), **changes)
+    return settings if period is None else replace(settings, frequency=sampled_frequency(period))
 
 
 def simulated_multiplier(biped: FrontalBiped, gait: Gait, relative_step: float = 1e-4) -> float:

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Mapping
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,17 +14,17 @@ from frontal_biped.analysis import analyze
 from frontal_biped.cli.demo import make_demo
 from frontal_biped.cli.main import SUCCESS, TASK_FAILED
 from frontal_biped.cli.progress import Progress
+from frontal_biped.cli.view import VIEWED_STEPS, watched
+from frontal_biped.control import ControllerSettings
 from frontal_biped.design import default_specification, design_gait, load_specification
 from frontal_biped.exceptions import FrontalBipedError, GaitFileError, SimulationError
-from frontal_biped.files import require_folder, require_parent, write_text
+from frontal_biped.files import require_folder, require_parent
 from frontal_biped.gait import Gait, gait_from_dict, load_gait, save_gait
 from frontal_biped.library import build_library, dask_executor, read_sweep, worker_processes
 from frontal_biped.model import FrontalBiped, load_robot
 from frontal_biped.robustness import robustness_card
 from frontal_biped.simulation import Disturbances, Trajectory, load_trajectory, save_trajectory
-from frontal_biped.walking import simulate, walk
-
-VIEWED_STEPS = 6
+from frontal_biped.walking import sampled_settings, simulate, walk
 
 
 def run_demo(arguments: argparse.Namespace) -> int:
@@ -128,9 +128,10 @@ def run_simulate(arguments: argparse.Namespace) -> int:
         require_parent(arguments.output)
     period = None if arguments.continuous else 1.0 / arguments.rate
     disturbances = Disturbances(arguments.encoder_noise, arguments.torque_noise, seed=arguments.seed)
+    settings = sampled_settings(gait, period, outputs=arguments.controller)
     if arguments.engine == "ours":
         stabiliser = arguments.stabiliser or "adaptive"
-        run = _walk(biped, gait, arguments.steps, period, arguments.speed_error, stabiliser, disturbances)
+        run = _walk(biped, gait, arguments.steps, period, arguments.speed_error, stabiliser, disturbances, settings)
     elif period is None:
         raise SimulationError("--continuous: a walker in MuJoCo reads its sensors at a rate; give --rate instead")
     else:
@@ -144,6 +145,7 @@ def run_simulate(arguments: argparse.Namespace) -> int:
                 speed_error=arguments.speed_error,
                 stabiliser=arguments.stabiliser,
                 disturbances=disturbances,
+                controller_settings=replace(settings, max_torque=None),
                 on_step=lambda done: progress.update("", done),
             )
     if arguments.output is not None:
@@ -154,37 +156,12 @@ def run_simulate(arguments: argparse.Namespace) -> int:
     return TASK_FAILED if run.fell else SUCCESS
 
 
-def run_trial(arguments: argparse.Namespace) -> int:
-    """`frontal-biped trial`."""
-    from frontal_biped.cli import trial
-
-    return trial.run_trial(arguments)
-
-
-def run_view(arguments: argparse.Namespace) -> int:
-    """`frontal-biped view`."""
-    from frontal_biped.visualisation import animation_page, view_live
-
-    if arguments.html is not None:
-        require_parent(arguments.html)
-    biped, _, run = _load_source(arguments, walk=True)
-    assert run is not None
-    if arguments.html is not None:
-        write_text(arguments.html, animation_page(biped, run, title=f"{biped.name}: {run.steps_completed} steps"))
-        sys.stdout.write(
-            f"{arguments.html}: {arguments.html.stat().st_size / 1e6:.2f} MB, opens in any browser, offline\n"
-        )
-        return SUCCESS
-    view_live(biped, run, open_browser=not arguments.no_open)
-    return SUCCESS
-
-
 def run_plot(arguments: argparse.Namespace) -> int:
     """`frontal-biped plot`."""
     from frontal_biped.visualisation import write_figures
 
     biped, gait, run = _load_source(arguments, walk=True)
-    for path in write_figures(arguments.output, biped, gait, run):
+    for path in write_figures(arguments.output, biped, gait, run, arguments.format):
         sys.stdout.write(f"{path}\n")
     return SUCCESS
 
@@ -232,6 +209,7 @@ def _walk(
     speed_error: float = 0.0,
     stabiliser: str = "adaptive",
     disturbances: Disturbances | None = None,
+    controller_settings: ControllerSettings | None = None,
 ) -> Trajectory:
     with Progress("walking: step", steps) as progress:
         return simulate(
@@ -242,15 +220,18 @@ def _walk(
             speed_error=speed_error,
             stabiliser=stabiliser,
             disturbances=disturbances,
+            controller_settings=controller_settings,
             on_step=lambda done: progress.update("", done),
         )
 
 
-def _load_source(arguments: argparse.Namespace, walk: bool) -> tuple[FrontalBiped, Gait, Trajectory | None]:
-    """Robot, gait and run of a gait or run file; a gait is walked first."""
+def _load_source(arguments: argparse.Namespace, walk: bool) -> tuple[FrontalBiped, Gait | None, Trajectory | None]:
+    """Robot, gait and run of a gait or run file; a gait is walked first, a run may lack its gait."""
     source: Path = arguments.source
     if source.suffix == ".npz":
         run = load_trajectory(source)
+        if not run.gait:
+            return watched(source, arguments.robot)[0], None, run
         gait = _gait_of(run, source)
         return _robot_of(gait, arguments), gait, run
     gait = load_gait(source)

@@ -2,6 +2,7 @@
 
 import logging
 from dataclasses import dataclass, replace
+from math import isfinite
 
 import numpy as np
 
@@ -17,7 +18,6 @@ from frontal_biped.gait import Gait
 from frontal_biped.half_steps import Landed
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.phase import Phase, StepPhase
-
 
 _log = logging.getLogger(__name__)
 
@@ -151,6 +151,36 @@ class QpController:
         Returns:
             The command; ``source`` and ``solved`` say what it is worth.
         """
+        if not isfinite(q.dot(q) + dq.dot(dq)):
+            return self._counted(self._held(), phase, q, dq, "the state is not finite")
+        targets, y, dy = self.targets(phase, q, dq)
+        answer = self.program.solve(q, dq, targets)
+        if answer is None:
+            return self._counted(self._held(y, dy, targets.p_fri), phase, q, dq, "the relaxed program is not solved")
+        source, u, ddq, force, violation, delta = answer
+        command = Command(u, ddq, force, y, dy, targets.p_fri, source, delta)
+        self._last = command
+        if source is Source.RELAXED:
+            return self._counted(command, phase, q, dq, f"limits overstepped by up to {violation:.2e}")
+        self.counts[source] += 1
+        return command
+
+    def _counted(self, command: Command, phase: StepPhase, q: FloatArray, dq: FloatArray, why: str) -> Command:
+        """A command that is not the program's own solution, counted and logged."""
+        self.counts[command.source] += 1
+        _log.info(
+            "%s, %s phase, beta %.4f rad, dbeta %.4f rad/s: no torques keep every limit, %s: %s",
+            self.biped.name,
+            phase.value,
+            q[0],
+            dq[0],
+            "last command held" if command.source is Source.HELD else "limits relaxed",
+            why,
+        )
+        return command
+
+    def targets(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> tuple[Targets, FloatArray, FloatArray]:
+        """What is asked of a state: targets, output y (3,) [rad] and its rate (3,) [rad/s]."""
         h_d, h_d1, h_d2, p_fri = self._phases[phase].desired(q[0])
         if fri_shift:
             outer, inner = self.biped.sole
@@ -165,29 +195,13 @@ class QpController:
             decrease = self.lyapunov.decrease(y, dy)
             ddy, delta = least_acceleration(decrease, self._price)
             targets = Targets(h_d1, h_d2 * rate**2, ddy, p_fri, decrease, delta)
-        answer = self.program.solve(q, dq, targets)
-        if answer is None:
-            command = self._held(y, dy, p_fri)
-        else:
-            command = Command(answer.u, answer.ddq, answer.force, y, dy, p_fri, answer.source, answer.relaxation)
-            self._last = command
-        self.counts[command.source] += 1
-        if not command.solved:
-            _log.info(
-                "%s, %s phase, beta %.4f rad, dbeta %.4f rad/s: no torques keep every limit; %s",
-                self.biped.name,
-                phase.value,
-                q[0],
-                rate,
-                "last command held" if answer is None else f"limits overstepped by up to {answer.violation:.2e}",
-            )
-        return command
+        return targets, y, dy
 
-    def _held(self, y: FloatArray, dy: FloatArray, p_fri: float) -> Command:
-        """The last command again; no torques before the first."""
-        zero = np.zeros(4)
-        last = self._last or Command(zero, zero, np.zeros(2), y, dy, p_fri, Source.HELD)
-        return replace(last, y=y, dy=dy, p_fri_target=p_fri, source=Source.HELD)
+    def _held(self, y: FloatArray | None = None, dy: FloatArray | None = None, p_fri: float | None = None) -> Command:
+        """The last command again, before the first no torques; output and target, where known, of this tick."""
+        none = Command(np.zeros(4), np.zeros(4), np.zeros(2), np.zeros(3), np.zeros(3), 0.0, Source.HELD)
+        held = replace(self._last or none, source=Source.HELD)
+        return held if y is None or dy is None or p_fri is None else replace(held, y=y, dy=dy, p_fri_target=p_fri)
 
     def phase(self, phase: StepPhase) -> Phase:
         """Virtual constraints of a phase, as the stabiliser last chose them."""

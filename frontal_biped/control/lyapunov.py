@@ -10,13 +10,13 @@ can always be made to fall at the rate gamma/eps, gamma = lambda_min(Q) / lambda
 
 .. math:: L_fV + L_gV\, v + \frac{\gamma}{\epsilon} V \le 0
 
-does, the smaller eps the faster. The controller takes the least such v. Both sides are divided by 2 sqrt(V), which makes
-it a condition on the rate of the norm sqrt(V) with coefficients of order one, however near the output is to zero:
+does, the smaller eps the faster. The controller takes the least such v. Both sides are divided by 2 sqrt(V), which
+makes it a condition on the rate of the norm sqrt(V) with coefficients of order one, however near the output is to zero:
 
 .. math:: n \cdot v + b \le \delta, \qquad n = L_gV / (2 \sqrt V),\; b = (L_fV + \gamma V/\epsilon) / (2 \sqrt V).
 
-delta >= 0 [rad/s^2] relaxes it where the limits leave no such v, at a price rho per a_0: an exact penalty, so that delta
-is zero, not just small, wherever the multiplier of the condition is below rho.
+delta >= 0 [rad/s^2] relaxes it where the limits leave no such v, at a price rho per a_0: an exact penalty, so that
+delta is zero, not just small, wherever the multiplier of the condition is below rho.
 """
 
 from dataclasses import dataclass

@@ -50,6 +50,6 @@ class RelaxedQp:
 
 
 def violation(program: QuadraticProgram, x: FloatArray) -> float:
-    """Largest amount by which x (n, ...), longer or not, oversteps the program's inequalities, in the units of the program."""
+    """Largest amount by which x (n,), slacks behind it or not, oversteps the inequalities, in the program's units."""
     value = program.C @ x[: len(program.g)]
     return float(max(np.max(program.l - value), np.max(value - program.u), 0.0))

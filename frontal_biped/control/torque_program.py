@@ -1,6 +1,7 @@
 """From targets to torques: closed form, quadratic program, relaxed program, in this order."""
 
 from enum import Enum
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -10,15 +11,18 @@ from frontal_biped.control.closed_form import Targets
 from frontal_biped.control.limits import ContactLimits, JointLimits
 from frontal_biped.control.relaxation import RelaxedQp, violation
 from frontal_biped.control.settings import ControllerSettings
-from frontal_biped.control.walking_qp import DDQ, DELTA, FORCE, OUTPUT_ACCELERATION, VARIABLES, U, WalkingQp
+from frontal_biped.control.walking_qp import DDQ, DELTA, FORCE, VARIABLES, U, WalkingQp
 from frontal_biped.model.biped import BASE, FrontalBiped
-from frontal_biped.quadratic_program import ProxQpSolver
+from frontal_biped.quadratic_program import ProxQpSolver, refined
 
 PENALTY_PARAMETER = 1e-2
 """ProxQP's mu of the inequalities: a third fewer iterations on walking programs than with its default of 0.1.
 
 With 1e-3 they are fewer still, but one feasible program in a thousand is given up.
 """
+
+RELAXED_ACCURACY = 1e-6
+"""Absolute and relative, of the relaxed program: far outside the limits its numbers grow large."""
 
 
 class Source(Enum):
@@ -75,7 +79,7 @@ class TorqueProgram:
         self.shortcut = shortcut
         self._solver = ProxQpSolver(settings.accuracy, settings.max_iterations, penalty_parameter=PENALTY_PARAMETER)
         self._relaxed = RelaxedQp(self.qp.program, self.qp.rows)
-        self._relaxed_solver = ProxQpSolver(settings.accuracy, settings.max_iterations, relative=settings.accuracy)
+        self._relaxed_solver = ProxQpSolver(RELAXED_ACCURACY, settings.max_iterations, relative=RELAXED_ACCURACY)
         self._was_active = False
 
     def solve(self, q: FloatArray, dq: FloatArray, targets: Targets) -> Answer | None:
@@ -89,17 +93,21 @@ class TorqueProgram:
                 forces = motion.forces
                 return Answer(Source.CLOSED_FORM, forces[BASE:], motion.ddq, forces[:2], 0.0, targets.relaxation)
         program = qp.build(targets)
-        if not np.isfinite(program.g.sum() + program.b.sum() + program.A.sum()):
+        if not isfinite(program.g.sum() + program.b.sum() + program.A.sum()):
             return None
         # the limits active at the last tick are mostly those of this one
         solution = self._solver.solve(program, warm=self._was_active)
         source, overstepped = Source.PROGRAM, 0.0
         self._was_active = solution.solved
-        if not solution.solved:
+        if solution.solved:
+            solution = refined(program, solution)
+        else:
             solution = self._relaxed_solver.solve(self._relaxed.build(program), warm=False)
             if not solution.solved:
                 return None
             source, overstepped = Source.RELAXED, violation(program, solution.x)
         x = solution.x[:VARIABLES] * qp.scale
-        relaxation = 0.0 if targets.decrease is None else OUTPUT_ACCELERATION * float(solution.x[DELTA])
-        return Answer(source, x[U], x[DDQ], x[FORCE], overstepped, relaxation)
+        relaxation = 0.0 if targets.decrease is None else qp.delta_unit * float(solution.x[DELTA])
+        most = qp.limits.max_torque
+        u = np.clip(x[U], -most, most)  # to the last digit, whatever the solver's tolerance
+        return Answer(source, u, x[DDQ], x[FORCE], overstepped, relaxation)

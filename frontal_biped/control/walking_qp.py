@@ -18,10 +18,10 @@ linearising torque with the FRI on its target, and the weights a_0 and T_0 do no
 are in units of T_0 and m g, and every row likewise, so that one absolute tolerance fits all.
 
 With a control Lyapunov function (see `lyapunov`) v is no longer given; its place takes an inequality, relaxed by one
-more variable delta [a_0]:
+more variable delta:
 
-    minimise    1/2 |ddy / a_0|^2 + rho delta + 1/2 |(N_0 - p_FRI^d F_v) / T_0|^2
-    subject to  n . ddy + b <= a_0 delta,   delta >= 0,    and all of the above
+    minimise    1/2 |ddy / a_0|^2 + rho delta / a_0 + 1/2 |(N_0 - p_FRI^d F_v) / T_0|^2
+    subject to  n . ddy + b <= delta,   delta >= 0,    and all of the above
 
 Output and FRI are four independent functions of ddq, so that here too the solution is known while no limit is active:
 the least v alone, with the FRI on its target.
@@ -65,6 +65,7 @@ class WalkingQp:
     Attributes:
         rows: which inequalities are which.
         scale: (10,) units of ddq, u and F.
+        delta_unit: unit of delta in the program just built [rad/s^2].
     """
 
     def __init__(
@@ -112,12 +113,12 @@ class WalkingQp:
         l[torque], u[torque] = -limits.max_torque / T_0, limits.max_torque / T_0
         if joints is not None:
             C[joint, DDQ] = np.eye(4) / OUTPUT_ACCELERATION
-        g = np.zeros(n)
+        self._relaxation_price = relaxation_price or 0.0
+        self.delta_unit = OUTPUT_ACCELERATION
         if relaxation_price is not None:
-            g[DELTA] = relaxation_price
             C[decrease, DELTA] = -1.0, 1.0
             l[decrease.start] = -UNBOUNDED
-        self.program = QuadraticProgram(np.zeros((n, n)), g, A, np.zeros(6), C, l, u)
+        self.program = QuadraticProgram(np.zeros((n, n)), np.zeros(n), A, np.zeros(6), C, l, u)
 
     def move_to(self, q: FloatArray, dq: FloatArray) -> None:
         """Evaluate the dynamics at q (4,) [rad], dq (4,) [rad/s]: before any of the calls below."""
@@ -153,8 +154,11 @@ class WalkingQp:
         task[3, 9] = -targets.p_fri * self._F_0 / self._T_0
         drift = targets.h_d2_dbeta2
         goal[:3] = (drift if targets.decrease else targets.ddy + drift) / OUTPUT_ACCELERATION
-        program.H[:VARIABLES, :VARIABLES] = task.T.dot(task)
-        program.g[:VARIABLES] = -goal.dot(task)
+        H, g = task.T.dot(task), goal.dot(task)
+        # off the gait h_d' and v may be thousands; the cost in units of its own size, or ProxQP stalls
+        unit = max(1.0, H.trace().item(), np.abs(g).max().item())
+        program.H[:VARIABLES, :VARIABLES] = H / unit
+        program.g[:VARIABLES] = g / -unit
         if self.joints is not None:
             lower, upper = self.joints.bounds(self._q, self._dq)
             joint = self.rows.joint
@@ -163,7 +167,12 @@ class WalkingQp:
         if targets.decrease:
             n, b = targets.decrease
             row = self.rows.decrease.start
-            program.C[row, 0] = -n.dot(targets.h_d1) / OUTPUT_ACCELERATION
-            program.C[row, 1:4] = n / OUTPUT_ACCELERATION
-            program.u[row] = (n.dot(drift) - b) / OUTPUT_ACCELERATION
+            slope = -n.dot(targets.h_d1).item()
+            # the row, and delta with it, likewise
+            size = OUTPUT_ACCELERATION * max(1.0, abs(slope) / OUTPUT_ACCELERATION)
+            program.C[row, 0] = slope / size
+            program.C[row, 1:4] = n / size
+            program.u[row] = (n.dot(drift) - b) / size if n.any() else UNBOUNDED
+            program.g[DELTA] = self._relaxation_price * size / (OUTPUT_ACCELERATION * unit)
+            self.delta_unit = size
         return program

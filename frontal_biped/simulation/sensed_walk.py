@@ -47,9 +47,7 @@ class _RigidEngine:
         self.biped, self.settings = biped, settings
         self.period = settings.period or PERIOD
         self.plant = Plant.of(biped, errors)
-        self._motion = {
-            side: StanceMotion(self.plant.on(side), PelvisForce(self.plant.on(side))) for side in Stance
-        }
+        self._motion = {side: StanceMotion(self.plant.on(side), PelvisForce(self.plant.on(side))) for side in Stance}
         self._ground = {side: 0.0 for side in Stance}
         self._next_ground = {side: 0.0 for side in Stance}
 
@@ -60,9 +58,7 @@ class _RigidEngine:
 
     def _guard(self) -> None:
         here, swing = self._ground[self.stance], self.stance.other
-        guards = walking_guards(
-            self.plant.on(self.stance), self._ground[swing] - here, self._next_ground[swing] - here
-        )
+        guards = walking_guards(self.plant.on(self.stance), self._ground[swing] - here, self._next_ground[swing] - here)
         self._guards: tuple[Guard, ...] = guards.rising if self._rising else guards.falling
 
     def read(self) -> tuple[FloatArray, FloatArray, float, float, tuple[bool, bool]]:

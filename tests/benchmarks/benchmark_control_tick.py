@@ -2,9 +2,9 @@
 
 python tests/benchmarks/benchmark_control_tick.py [--ticks N]
 
-Every state is given to each contender in turn, so that one run compares them under the same load; times are CPU times of
-the thread, which a busy machine inflates but does not interrupt. "bare ProxQP" is update() and solve() of the walking
-program alone, kept warm from tick to tick, without a line of the package around it.
+Every state is given to each contender in turn, so that one run compares them under the same load; times are CPU times
+of the thread, which a busy machine inflates but does not interrupt. "bare ProxQP" is update() and solve() of the
+walking program alone, kept warm from tick to tick, without a line of the package around it.
 
 TSID 1.10.0 is optional. Its wheels corrupt the heap beside Pinocchio 4; built from source it works:
 pip install --no-binary libtsid,tsid tsid==1.10.0 pin==4.1.0      (about 7 minutes)
@@ -88,7 +88,11 @@ def scattered(gait: Gait, count: int) -> Iterator[State]:
         beta = phase.beta_start + rng.uniform(-0.1, 1.1) * phase.range
         h_d, h_d1, *_ = phase.desired(beta)
         rate = 2.0 * size * rng.normal()
-        yield which, np.r_[beta, h_d + size * rng.normal(size=3)], np.r_[rate, h_d1 * rate + 10.0 * size * rng.normal(size=3)]
+        yield (
+            which,
+            np.r_[beta, h_d + size * rng.normal(size=3)],
+            np.r_[rate, h_d1 * rate + 10.0 * size * rng.normal(size=3)],
+        )
 
 
 # ---------------------------------------------------------------------- contenders
@@ -117,9 +121,7 @@ class BareProxQp:
         program = self.controller.program.qp.program
         if self.solver is None:
             settings = self.controller.settings
-            adapter = ProxQpSolver(
-                settings.accuracy, settings.max_iterations, penalty_parameter=PENALTY_PARAMETER
-            )
+            adapter = ProxQpSolver(settings.accuracy, settings.max_iterations, penalty_parameter=PENALTY_PARAMETER)
             adapter.solve(program)
             self.solver = adapter._solver
             self.solver.settings.initial_guess = proxqp.InitialGuess.WARM_START_WITH_PREVIOUS_RESULT
@@ -150,7 +152,8 @@ class TsidTick:
         contact.setKp(100.0 * np.ones(6))
         contact.setKd(20.0 * np.ones(6))
         contact.setReference(self.robot.framePosition(self.formulation.data(), self.foot))
-        self.formulation.addRigidContact(contact, 1e-5)
+        # the foot's rest as a heavy cost: as a constraint its quadratic program does not come back on this robot
+        self.formulation.addRigidContact(contact, 1e-5, 1e3, 1)
         com = tsid.TaskComEquality("com", self.robot)
         com.setKp(100.0 * np.ones(3))
         com.setKd(20.0 * np.ones(3))
