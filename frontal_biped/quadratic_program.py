@@ -16,6 +16,7 @@ from frontal_biped.arrays import FloatArray
 UNBOUNDED = 1e20  # ProxQP's infinity
 DEFAULT_ACCURACY = 1e-9  # ProxQP's own default is too loose to rest a bound on
 DEFAULT_MAX_ITERATIONS = 200
+MAX_INNER_ITERATIONS = 300  # at each outer one; with the default of 1500 a lost problem may take a quarter of a second
 INFEASIBILITY = 1e-12  # tolerance of the infeasibility certificates
 _START = {
     True: proxqp.InitialGuess.WARM_START_WITH_PREVIOUS_RESULT,
@@ -80,6 +81,7 @@ class ProxQpSolver:
         accuracy: absolute tolerance on residuals.
         max_iterations: of the outer loop; ProxQP is slow to give up on an infeasible problem.
         retry: set up afresh and try once more when the accuracy is not reached?
+        relative: tolerance on residuals relative to the terms they are made of, beside ``accuracy``.
         penalty_parameter: ProxQP's mu of the inequalities at the start of a solve; None: its default of 0.1.
     """
 
@@ -88,10 +90,12 @@ class ProxQpSolver:
         accuracy: float = DEFAULT_ACCURACY,
         max_iterations: int = DEFAULT_MAX_ITERATIONS,
         retry: bool = True,
+        relative: float = 0.0,
         penalty_parameter: float | None = None,
     ) -> None:
         self.accuracy = accuracy
         self.retry = retry
+        self.relative = relative
         self.penalty_parameter = penalty_parameter
         self.max_iterations = max_iterations
         self._solver: Any = None
@@ -138,11 +142,12 @@ class ProxQpSolver:
     def _set_up(self, qp: QuadraticProgram, shape: tuple[int, int, int]) -> Any:
         solver = proxqp.dense.QP(*shape)
         solver.settings.eps_abs = self.accuracy
-        solver.settings.eps_rel = 0.0
+        solver.settings.eps_rel = self.relative
         solver.settings.max_iter = self.max_iterations
+        solver.settings.max_iter_in = MAX_INNER_ITERATIONS
         solver.settings.check_duality_gap = True
         solver.settings.eps_duality_gap_abs = self.accuracy
-        solver.settings.eps_duality_gap_rel = 0.0
+        solver.settings.eps_duality_gap_rel = self.relative
         # the default of 1e-4 calls feasible programs infeasible
         solver.settings.eps_primal_inf = INFEASIBILITY
         solver.settings.eps_dual_inf = INFEASIBILITY

@@ -7,9 +7,11 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.closed_form import Targets
+from frontal_biped.control.lyapunov import LyapunovFunction, least_acceleration
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.torque_program import Source, TorqueProgram
 from frontal_biped.control.transitions import AdaptiveTransitions, FixedTransitions, Stabiliser
+from frontal_biped.control.walking_qp import OUTPUT_ACCELERATION
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait import Gait
 from frontal_biped.half_steps import Landed
@@ -18,6 +20,10 @@ from frontal_biped.virtual_constraints.phase import Phase, StepPhase
 
 
 _log = logging.getLogger(__name__)
+
+
+SOLE_MARGIN = 0.004
+"""Distance that a shifted FRI target keeps from the ends of the sole [m]."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +38,7 @@ class Command:
         dy: (3,) its rate [rad/s].
         p_fri_target: wanted FRI [m].
         source: where the torques come from.
+        relaxation: delta of the control Lyapunov function [rad/s^2], zero without one.
     """
 
     u: FloatArray
@@ -41,6 +48,7 @@ class Command:
     dy: FloatArray
     p_fri_target: float
     source: Source
+    relaxation: float = 0.0
 
     @property
     def solved(self) -> bool:
@@ -49,8 +57,9 @@ class Command:
 
 
 class QpController:
-    """Input-output linearisation of y = q_b - h_d(beta) with the FRI on its target, within the limits.
+    """Drives y = q_b - h_d(beta) to zero with the FRI on its target, within the limits.
 
+    By input-output linearisation, or by a control Lyapunov function (`ControllerSettings.outputs`).
     Where no torques keep every limit, the limits give way in order (see `relaxation`); where even that cannot be
     solved, or the state is not finite, the last command is given again. Both are logged (`logging`, level INFO) and
     counted.
@@ -63,6 +72,7 @@ class QpController:
         shortcut: take the program's closed form where no limit is active? False: ask ProxQP at every tick.
 
     Attributes:
+        lyapunov: the control Lyapunov function, or None.
         counts: commands given, by their source.
         declined: phases for which the stabiliser had no answer, walked as `AdaptiveTransitions` would.
     """
@@ -81,6 +91,9 @@ class QpController:
         self.program = TorqueProgram(biped, self.settings, shortcut)
         self._kp = self.settings.frequency**2
         self._kd = 2.0 * self.settings.damping * self.settings.frequency
+        clf = self.settings.outputs == "clf"
+        self.lyapunov = LyapunovFunction(self.settings.epsilon) if clf else None
+        self._price = self.settings.relaxation_price * OUTPUT_ACCELERATION
         self.counts = dict.fromkeys(Source, 0)
         self.declined = 0
         self._last: Command | None = None
@@ -125,26 +138,37 @@ class QpController:
             self.declined += 1
             return self._next_phase(self._fallback, phase, q, dq)
 
-    def command(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> Command:
+    def command(self, phase: StepPhase, q: FloatArray, dq: FloatArray, fri_shift: float = 0.0) -> Command:
         """Torques at a state.
 
         Args:
             phase: rising or falling.
             q: (4,) stance coordinates [rad].
             dq: (4,) their rates [rad/s].
+            fri_shift: moves the FRI target, inside the sole [m].
 
         Returns:
             The command; ``source`` and ``solved`` say what it is worth.
         """
         h_d, h_d1, h_d2, p_fri = self._phases[phase].desired(q[0])
-        rate = dq[0]
+        if fri_shift:
+            outer, inner = self.biped.sole
+            p_fri = min(max(p_fri + fri_shift, outer + SOLE_MARGIN), inner - SOLE_MARGIN)
+        rate = float(dq[0])
         y, dy = q[1:] - h_d, dq[1:] - rate * h_d1
-        targets = Targets(h_d1, rate**2 * h_d2, -self._kd * dy - self._kp * y, p_fri)
+        if self.lyapunov is None:
+            ddy = dy * -self._kd
+            ddy -= y * self._kp
+            targets = Targets(h_d1, h_d2 * rate**2, ddy, p_fri)
+        else:
+            decrease = self.lyapunov.decrease(y, dy)
+            ddy, delta = least_acceleration(decrease, self._price)
+            targets = Targets(h_d1, h_d2 * rate**2, ddy, p_fri, decrease, delta)
         answer = self.program.solve(q, dq, targets)
         if answer is None:
             command = self._held(y, dy, p_fri)
         else:
-            command = Command(answer.u, answer.ddq, answer.force, y, dy, p_fri, answer.source)
+            command = Command(answer.u, answer.ddq, answer.force, y, dy, p_fri, answer.source, answer.relaxation)
             self._last = command
         self.counts[command.source] += 1
         if not command.solved:

@@ -47,7 +47,7 @@ class EstimatorSettings:
     velocity_noise: float = 1e-3
     impact_velocity: float = 0.1
     impact_acceleration: float = 1.0
-    drift: float = 10.0
+    drift: float = 2.0
     blind: float = 0.006
 
 
