@@ -22,8 +22,9 @@ from frontal_biped.virtual_constraints.phase import Phase, StepPhase
 _log = logging.getLogger(__name__)
 
 
-SOLE_MARGIN = 0.004
-"""Distance that a shifted FRI target keeps from the ends of the sole [m]."""
+SHIFT_ROOM = 0.7
+"""Share of the sole, from the ankle outwards, inside which a shifted FRI target stays [-]: a robot that is a fifth
+lighter than its model puts the FRI a fifth further out."""
 
 
 @dataclass(frozen=True)
@@ -153,7 +154,7 @@ class QpController:
         h_d, h_d1, h_d2, p_fri = self._phases[phase].desired(q[0])
         if fri_shift:
             outer, inner = self.biped.sole
-            p_fri = min(max(p_fri + fri_shift, outer + SOLE_MARGIN), inner - SOLE_MARGIN)
+            p_fri = min(max(p_fri + fri_shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
         rate = float(dq[0])
         y, dy = q[1:] - h_d, dq[1:] - rate * h_d1
         if self.lyapunov is None:

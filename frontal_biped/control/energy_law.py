@@ -36,12 +36,12 @@ class EnergySettings:
     Attributes:
         length: over which an energy error dies out, as a share of the range of the phase [-]; inf: no feedback.
         average: time over which the acceleration error is averaged [s]; inf: it is not taken off.
-        blank: time after a landing before it is, while the estimator recovers from the impact [s].
+        blank: time after a landing without feedback and averaging [s]; in the same time again the feedback grows.
     """
 
-    length: float = 0.4
+    length: float = 0.6
     average: float = 0.15
-    blank: float = 0.04
+    blank: float = 0.03
 
 
 class EnergyLaw:
@@ -106,5 +106,7 @@ class EnergyLaw:
             D = pin.crba(self._model, self._data, q)
             share = self.period / self.settings.average
             self.bias[self._stance] += share * (float(D[0] @ unexplained) / inertia - self.bias[self._stance])
-        wanted = -self.error(phase, beta, dbeta) / self._length[phase] - self.bias[self._stance]
+        # the foot rocks after a landing, and the estimate with it
+        trust = min(max(self._since / self.settings.blank - 1.0, 0.0), 1.0)
+        wanted = -trust * self.error(phase, beta, dbeta) / self._length[phase] - self.bias[self._stance]
         return inertia * wanted / self._weight

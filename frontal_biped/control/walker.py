@@ -21,7 +21,7 @@ from frontal_biped.control.sampling import sampled_frequency
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers import make_stabiliser
 from frontal_biped.control.state_estimator import EstimatorSettings, StateEstimator
-from frontal_biped.control.transitions import Stabiliser
+from frontal_biped.control.transitions import AdaptiveTransitions, Stabiliser
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
@@ -91,8 +91,10 @@ class Walker:
         biped: the robot as the walker believes it to be.
         gait: what to walk.
         period: time between readings [s].
-        settings: gains and limits; default: the gait's limits and the gains of `sampled_frequency`.
-        stabiliser: chooses the virtual constraints of each phase; an object or one of `STABILISERS` by name.
+        settings: gains and limits; default: the gait's friction and normal force, the robot's own torque limits, and
+            the gains of `sampled_frequency`.
+        stabiliser: chooses the virtual constraints of each phase; an object or one of `STABILISERS` by name. Default:
+            adaptive transitions that leave the energy to the energy law.
         delay: known time from a reading to the torques it leads to [s], a multiple of the period.
         phases: when to believe in a landing or a reversal.
         estimator: what to trust of the readings.
@@ -110,7 +112,7 @@ class Walker:
         *,
         period: float = 1e-3,
         settings: ControllerSettings | None = None,
-        stabiliser: Stabiliser | str = "adaptive",
+        stabiliser: Stabiliser | str | None = None,
         delay: float = 0.0,
         phases: PhaseSettings | None = None,
         estimator: EstimatorSettings | None = None,
@@ -122,7 +124,10 @@ class Walker:
         if self._on_the_way < 0 or abs(self._on_the_way * period - delay) > 1e-6 * period:
             raise SimulationError(f"a delay of {delay:g} s is no multiple of the period of {period:g} s; make it one")
         if settings is None:
-            settings = replace(ControllerSettings.for_gait(gait), frequency=sampled_frequency(period))
+            limits = ControllerSettings.for_gait(gait)
+            settings = replace(limits, max_torque=None, frequency=sampled_frequency(period))
+        if stabiliser is None:
+            stabiliser = AdaptiveTransitions(biped, gait, anticipate=energy is None)
         chosen = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
         self.controller = QpController(biped, gait, settings, chosen)
         self.phases = PhaseMachine(period, phases)
