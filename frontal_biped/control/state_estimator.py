@@ -104,9 +104,11 @@ class StateEstimator:
         self.error = self.error + steps[2]
 
     def land(self) -> None:
-        """The swing foot lands and becomes the stance foot."""
+        """The swing foot lands and becomes the stance foot; if it lands tilted, the leg keeps its absolute angle."""
         landed = impact(self.biped, self.q, self.dq)
+        tilt = float(self.biped.swing_foot_rotation(self.q))
         self.q, self.dq = landed.q_plus.copy(), landed.dq_plus.copy()
+        self.q[0] -= tilt
         self._remembered[self._stance] = self.error
         self._stance = self._stance.other
         self.error = self._remembered[self._stance].copy()
