@@ -131,7 +131,7 @@ class Walker:
         chosen = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
         self.controller = QpController(biped, gait, settings, chosen)
         self.phases = PhaseMachine(period, phases)
-        self.estimator = StateEstimator(biped, period, estimator)
+        self.estimator = StateEstimator(biped, period, estimator, delay)
         self.energy = None if energy is None else EnergyLaw(biped, gait, period, energy)
         self.settle = settle
         self.landings = 0
