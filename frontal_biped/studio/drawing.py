@@ -15,7 +15,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.model import FrontalBiped
 from frontal_biped.model.geometry import IntArray
 from frontal_biped.simulation import Trajectory
-from frontal_biped.simulation.disturbances import Push
+from frontal_biped.simulation.pushes import Push
 from frontal_biped.visualisation.meshcat_page import SceneRecorder
 from frontal_biped.visualisation.scene import COM, CONTACT, animate, draw_scene, frontal_camera
 

@@ -16,7 +16,7 @@ from frontal_biped.model import FrontalBiped, load_robot
 from frontal_biped.model.catalogue import models_dir
 from frontal_biped.robustness import INSTANTS, PERIOD, PUSH_DURATION, RECOVERED
 from frontal_biped.simulation import Disturbances
-from frontal_biped.simulation.disturbances import Push
+from frontal_biped.simulation.pushes import Push
 from frontal_biped.studio.drawing import Clip, Drawing, clip_of, drawing_of
 from frontal_biped.visualisation import animation_page, orbit_trajectory
 from frontal_biped.walking import simulate
