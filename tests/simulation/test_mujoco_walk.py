@@ -91,6 +91,7 @@ def test_push_gives_its_impulse(biped):
         robot.set_ground(stance, -1.0)
     mujoco.mj_forward(robot.model, robot.data)
     robot.run(np.zeros(4), 40, [(50.0, 0.1)])
+    mujoco.mj_forward(robot.model, robot.data)  # mj_step leaves velocities of bodies one step behind
     mujoco.mj_subtreeVel(robot.model, robot.data)
     momentum = robot.data.subtree_linvel[0, 1] * biped.mass
     assert momentum == pytest.approx(50.0 * 40 * robot.model.opt.timestep, rel=1e-6)
