@@ -1,6 +1,7 @@
 """Every numbered example runs, and prints what its docstring says it prints."""
 
 import ast
+import csv
 import math
 import re
 import subprocess
@@ -16,7 +17,7 @@ CHECKED = [path for path in NUMBERED if path.name != "11_design_studies.py"]
 RELATIVE = 0.02
 """Between processors: sampled control meets events a tick earlier or later. Everything but numbers agrees exactly."""
 
-LAST_DIGITS = 2.0  # units of the last digit printed
+LAST_DIGITS = 2.0  # units of the last digit printed; one for whole numbers
 
 NUMBER = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 
@@ -82,3 +83,22 @@ def test_comparison_itself(printed, expected, same):
     else:
         with pytest.raises(AssertionError):
             assert_same(printed, expected)
+
+
+@pytest.mark.slow
+def test_paper_is_reproduced(tmp_path):
+    command = [sys.executable, str(EXAMPLES / "reproduce_paper.py"), "--out", str(tmp_path / "paper")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    table = (tmp_path / "paper" / "comparison.md").read_text(encoding="utf-8")
+    assert table in done.stdout
+    assert "| J of the optimum | 4749 | 210.2; 405.6 with the pelvis within 5 deg |" in table
+    for row in ("legs: mass, inertia | 12.15 kg, 0.400 kg m^2 | 12.15 kg, 0.400 kg m^2 | same", "unpinned | 6 | 7 |"):
+        assert row in table
+    with (tmp_path / "paper" / "comparison.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.reader(stream))
+    assert rows[0] == ["what", "paper", "ours", "why"] and len(rows) == len(table.splitlines()) - 1
+    figures = ["conventions", "reversal_bracket", "joint_angles", "snapshots", "reversal_zoom", "sensitivity", "energy"]
+    for name in figures:
+        assert (tmp_path / "paper" / f"{name}.svg").stat().st_size > 5000
+        assert (tmp_path / "paper" / f"{name}.png").stat().st_size > 5000
