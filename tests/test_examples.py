@@ -2,13 +2,18 @@
 
 import ast
 import csv
+import json
 import math
 import re
+import shutil
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
+import nbformat
 import pytest
+from nbclient import NotebookClient
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 NUMBERED = sorted(EXAMPLES.glob("[0-9][0-9]_*.py"))
@@ -102,3 +107,27 @@ def test_paper_is_reproduced(tmp_path):
     for name in figures:
         assert (tmp_path / "paper" / f"{name}.svg").stat().st_size > 5000
         assert (tmp_path / "paper" / f"{name}.png").stat().st_size > 5000
+
+
+def test_notebook_covers_every_lesson_and_keeps_no_output():
+    cells = json.loads((EXAMPLES / "lesson.ipynb").read_text(encoding="utf-8"))["cells"]
+    run = [name for cell in cells for name in re.findall(r'^lesson\("(.*)"\)$', "".join(cell["source"]), re.MULTILINE)]
+    assert run == [path.stem for path in CHECKED]
+    assert not any(cell.get("outputs") for cell in cells)
+
+
+@pytest.mark.slow
+def test_notebook_runs_and_prints_what_the_examples_say(tmp_path):
+    notebook = nbformat.read(EXAMPLES / "lesson.ipynb", as_version=4)
+    shutil.copytree(EXAMPLES, tmp_path / "examples", ignore=shutil.ignore_patterns("images"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of the kernel's own making
+        NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(tmp_path / "examples")}}).execute()
+    printed = {}
+    for cell in notebook.cells:
+        called = re.match(r'lesson\("(.*)"\)', cell.source)
+        if called:
+            printed[called[1]] = "".join(part.text for part in cell.outputs if part.output_type == "stream")
+    for path in CHECKED:
+        assert_same(printed[path.stem].rstrip(), expected_output(path))
+    assert "image/svg+xml" in notebook.cells[-1].outputs[0].data
