@@ -57,12 +57,12 @@ def sensitivity(runs: Sequence[LossOfInvariance]) -> "Figure":
                 label=f"{name} transitions",
             )
         ax.set_title(title, loc="left")
-        ax.set_xlabel("|reversal − planned| [rad]")
+        ax.set_xlabel("|error| [rad]")
         ax.axhline(1e-6, color=BLACK, linewidth=0.8, linestyle=(0, (2, 2)))
         ax.margins(0.06)
     early.set_ylabel(r"largest $|q_b - h_d|$ [rad]")
     early.text(0.02, 1.25e-6, "1e-6", transform=early.get_yaxis_transform(), fontsize=8.0, va="bottom")
-    legend_above(early, 2, lift=0.1)
+    figure.legend(*early.get_legend_handles_labels(), loc="outside upper left", ncols=2, columnspacing=1.0)
     return figure
 
 
@@ -78,15 +78,17 @@ def return_map(card: RobustnessCard) -> "Figure":
     """
     figure = new_figure("return_map", 4.2)
     ax = figure.add_subplot()
-    speeds = np.array(card.sampled_speeds)
-    ax.plot(speeds, speeds, color=BLACK, linewidth=0.8, label="unchanged")
-    for k, ((name, values), (colour, marker, line)) in enumerate(zip(card.sampled_maps.items(), _LOOKS, strict=False)):
+    widest = np.array([pair[0] for pairs in card.sampled_maps.values() for pair in pairs])
+    ends = [widest.min(initial=1.0), widest.max(initial=1.0)]
+    ax.plot(ends, ends, color=BLACK, linewidth=0.8, label="unchanged")
+    for k, ((name, pairs), (colour, marker, line)) in enumerate(zip(card.sampled_maps.items(), _LOOKS, strict=False)):
+        speeds, values = np.array(pairs).T
         ax.plot(speeds, values, color=colour, linestyle=line, marker=marker, markersize=3.0, label=name)
         basin, height = card.basins[name], -0.12 * (k + 1)
         ax.plot([basin.low, basin.high], [height, height], color=colour, linewidth=5.0, alpha=0.7)
     ax.plot([1.0], [1.0], "o", color=BLACK, markersize=6, linestyle="none", label="gait")
     ax.set_xlabel("post-impact speed, relative to the gait's [-]")
     ax.set_ylabel("after the next impact [-]")
-    ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    legend_above(ax, 3)
     ax.margins(0.04)
     return figure
