@@ -20,7 +20,7 @@ import numpy as np
 
 import frontal_biped as fb
 from frontal_biped.simulation import Disturbances
-from frontal_biped.simulation.disturbances import Push
+from frontal_biped.simulation.pushes import Push
 
 PERIOD = 1e-3  # [s]
 DURATION = 0.05  # [s] of a push

@@ -55,7 +55,7 @@ def conventions(biped: FrontalBiped, q: FloatArray) -> "Figure":
             end = point + 1.25 * size * np.array([np.cos(direction), np.sin(direction)])
             ax.plot(*np.stack([point, end]).T, color=BLACK, linewidth=0.7, linestyle=(0, (3, 2)))
         middle = point + 1.45 * size * np.array([np.cos(turn[30]), np.sin(turn[30])])
-        ax.text(*middle, f"$q_{i + 1}$", color=VERMILION, ha="center", va="center", fontsize=11.0)
+        ax.text(middle[0], middle[1], f"$q_{i + 1}$", color=VERMILION, ha="center", va="center", fontsize=11.0)
         before += angle
     com = biped.com(q)
     ax.plot(*com, "o", color=BLACK, markersize=6)

@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from frontal_biped.simulation.disturbances import Push
+from frontal_biped.simulation.pushes import Push
 from frontal_biped.studio.drawing import FPS, PUSH, clip_of, drawing_of
 from frontal_biped.visualisation import orbit_trajectory
 from frontal_biped.visualisation.world import frame_times, resample, world_motion
