@@ -87,7 +87,7 @@ def studio(out: Path) -> None:
 
     with tempfile.TemporaryDirectory() as folder, Studio("frontal_biped", folder=Path(folder)) as studio:
         studio.speed(0.0)
-        with browser_page(1100, 1000) as page:
+        with browser_page(1000, 760) as page:
             page.goto(studio.url)
             page.wait_for_function("document.body.innerText.includes('J = 210')", polling=500)
             studio.session.turn("max_pelvis_roll", 8.0)
