@@ -92,8 +92,9 @@ print(f"{len(quoted)} quotations of {len(commands)} commands, their options know
 write_text(Path("sweep.toml"), SWEEP)
 write_text(Path("walk.scenario.toml"), SCENARIO)
 for command, runs in RUNS.items():
-    for arguments, leaves in runs:
-        run(command, arguments, leaves)
+    if command in commands:
+        for arguments, leaves in runs:
+            run(command, arguments, leaves)
 for command, arguments in SERVED.items():
     serve(command, arguments)
 
