@@ -86,18 +86,24 @@ def studio(out: Path) -> None:
     from frontal_biped.studio.app import Studio
 
     with tempfile.TemporaryDirectory() as folder, Studio("frontal_biped", folder=Path(folder)) as studio:
-        studio.speed(0.0)
+        studio.speed(0.0)  # a still picture, which software rendering can keep up with
+        session = studio.session
+        wait(lambda: session.state.fits and session.state.drawing is not None)
+        session.turn("max_pelvis_roll", 8.0)
+        wait(lambda: session.state.fits)
+        session.push(12.0, "just after the impact")
+        wait(lambda: session.state.push != "" and session.state.certificate is not None)
         with browser_page(1000, 760) as page:
             page.goto(studio.url)
-            page.wait_for_function("document.body.innerText.includes('J = 210')", polling=500)
-            studio.session.turn("max_pelvis_roll", 8.0)
-            page.wait_for_function("document.body.innerText.includes('before: 210')", polling=500)
-            studio.session.push(12.0, "just after the impact")
-            page.wait_for_function("document.body.innerText.includes('push of 12 N s')", polling=500)
-            page.wait_for_function("document.body.innerText.includes('certified in closed form')", polling=500)
-            page.evaluate("document.querySelector('.mantine-Notification-root button')?.click()")
-            time.sleep(5.0)
+            page.wait_for_function("document.body.innerText.includes('certified in closed form')", polling=1000)
+            time.sleep(15.0)
             shoot(page, out / "studio.png")
+
+
+def wait(done: Callable[[], bool]) -> None:
+    """Until something is so."""
+    while not done():
+        time.sleep(0.1)
 
 
 def shoot(page: Any, path: Path) -> None:
