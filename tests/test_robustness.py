@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from frontal_biped.control import make_stabiliser
-from frontal_biped.return_map import RestrictedMap
-from frontal_biped.robustness import RECOVERED, RobustnessCard, fixed_basin, largest_push, robustness_card
+from frontal_biped.library import worker_processes
+from frontal_biped.push_recovery import RECOVERED, largest_push
+from frontal_biped.robustness import RobustnessCard, fixed_basin, robustness_card
 from frontal_biped.simulation import Disturbances, Push
 from frontal_biped.walking import simulate
 
@@ -37,7 +38,7 @@ def test_norm_is_that_of_the_geometric_decay(biped, level_gait):
 
 def test_edges_of_a_basin_are_edges(biped, level_gait):
     restricted = RestrictedMap(biped, level_gait, make_stabiliser("ankle", biped, level_gait))
-    basin = restricted.basin(low=0.5, high=2.0, points=6, refine=3)
+    basin = restricted.basin(low=0.5, high=2.0)
     assert restricted.follow(basin.low).returned
     assert restricted.follow(basin.high).returned
     assert basin.low < 0.9 < 1.2 < basin.high

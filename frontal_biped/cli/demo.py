@@ -35,7 +35,7 @@ SHOWN_STABILISERS = ("adaptive", "ankle")
 SHOWN_PUSHES: tuple[tuple[str, float], ...] = (("at the reversal", 1.0),)  # `analyze --robustness` has four
 PUSH_RESOLUTION = 8.0  # [N s]
 CONTINUOUS = SimulationSettings(rtol=1e-8, atol=1e-10)  # 20 steps repeat to some 1e-10, far inside 1e-7
-SPEED_ERROR_STEPS = 4  # the decay by the multiplier shows after a few
+SPEED_ERROR_STEPS = 3  # the decay by the multiplier shows after a few
 
 Say = Callable[[str], None]
 
