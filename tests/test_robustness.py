@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from frontal_biped.control import make_stabiliser
+from frontal_biped.library import worker_processes
 from frontal_biped.push_recovery import RECOVERED, largest_push
 from frontal_biped.return_map import RestrictedMap
 from frontal_biped.robustness import RobustnessCard, fixed_basin, robustness_card
