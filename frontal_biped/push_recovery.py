@@ -7,7 +7,8 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.simulation.disturbances import Disturbances, Push
+from frontal_biped.simulation.disturbances import Disturbances
+from frontal_biped.simulation.pushes import Push
 from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.walking import simulate

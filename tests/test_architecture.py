@@ -41,9 +41,10 @@ MAY_IMPORT = {
     },
     "return_map": {"model", "virtual_constraints", "phase_energy", "half_steps", "gait", "contact_margins", "control"},
     "simulation": {"model", "virtual_constraints", "control"},
+    "scenarios": {"model", "gait", "control", "design", "simulation", "walking"},
 }  # fmt: skip
 
-APPLICATIONS = {"cli", "demo", "__main__"}
+APPLICATIONS = {"cli", "demo", "studio", "pytest_plugin", "__main__"}
 """They see everything, and nothing below sees them."""
 
 # foreign package: the only places that may import it
@@ -55,6 +56,9 @@ ONLY_IN = {
     "distributed": {"library"},
     "mujoco": {"simulation"},
     "viser": {"studio"},
+    "pytest": {"pytest_plugin"},
+    "playwright": {"visualisation"},
+    "PIL": {"visualisation"},
 }
 
 

@@ -14,17 +14,16 @@ from frontal_biped.analysis import analyze
 from frontal_biped.cli.demo import make_demo
 from frontal_biped.cli.main import SUCCESS, TASK_FAILED
 from frontal_biped.cli.progress import Progress
+from frontal_biped.cli.view import VIEWED_STEPS, watched
 from frontal_biped.design import default_specification, design_gait, load_specification
 from frontal_biped.exceptions import FrontalBipedError, GaitFileError
-from frontal_biped.files import require_folder, require_parent, write_text
+from frontal_biped.files import require_folder, require_parent
 from frontal_biped.gait import Gait, gait_from_dict, load_gait, save_gait
 from frontal_biped.library import build_library, dask_executor, read_sweep, worker_processes
 from frontal_biped.model import FrontalBiped, load_robot
 from frontal_biped.robustness import robustness_card
 from frontal_biped.simulation import Disturbances, Trajectory, load_trajectory, save_trajectory
 from frontal_biped.walking import simulate
-
-VIEWED_STEPS = 6
 
 
 def run_demo(arguments: argparse.Namespace) -> int:
@@ -140,30 +139,12 @@ def run_simulate(arguments: argparse.Namespace) -> int:
     return TASK_FAILED if run.fell else SUCCESS
 
 
-def run_view(arguments: argparse.Namespace) -> int:
-    """`frontal-biped view`."""
-    from frontal_biped.visualisation import animation_page, view_live
-
-    if arguments.html is not None:
-        require_parent(arguments.html)
-    biped, _, run = _load_source(arguments, walk=True)
-    assert run is not None
-    if arguments.html is not None:
-        write_text(arguments.html, animation_page(biped, run, title=f"{biped.name}: {run.steps_completed} steps"))
-        sys.stdout.write(
-            f"{arguments.html}: {arguments.html.stat().st_size / 1e6:.2f} MB, opens in any browser, offline\n"
-        )
-        return SUCCESS
-    view_live(biped, run, open_browser=not arguments.no_open)
-    return SUCCESS
-
-
 def run_plot(arguments: argparse.Namespace) -> int:
     """`frontal-biped plot`."""
     from frontal_biped.visualisation import write_figures
 
     biped, gait, run = _load_source(arguments, walk=True)
-    for path in write_figures(arguments.output, biped, gait, run):
+    for path in write_figures(arguments.output, biped, gait, run, arguments.format):
         sys.stdout.write(f"{path}\n")
     return SUCCESS
 
@@ -225,11 +206,13 @@ def _walk(
         )
 
 
-def _load_source(arguments: argparse.Namespace, walk: bool) -> tuple[FrontalBiped, Gait, Trajectory | None]:
-    """Robot, gait and run of a gait or run file; a gait is walked first."""
+def _load_source(arguments: argparse.Namespace, walk: bool) -> tuple[FrontalBiped, Gait | None, Trajectory | None]:
+    """Robot, gait and run of a gait or run file; a gait is walked first, a run may lack its gait."""
     source: Path = arguments.source
     if source.suffix == ".npz":
         run = load_trajectory(source)
+        if not run.gait:
+            return watched(source, arguments.robot)[0], None, run
         gait = _gait_of(run, source)
         return _robot_of(gait, arguments), gait, run
     gait = load_gait(source)

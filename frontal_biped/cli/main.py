@@ -4,6 +4,7 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 from pathlib import Path
 
 from frontal_biped.exceptions import FrontalBipedError
@@ -78,7 +79,7 @@ def _parser() -> argparse.ArgumentParser:
             name, help=summary, description=summary, epilog=f"example: {example}", parents=[common]
         )
 
-    def add_json(command: argparse.ArgumentParser) -> None:
+    def add_json(command: argparse._ActionsContainer) -> None:
         command.add_argument("--json", action="store_true", help="print the report as JSON")
 
     def add_robot(command: argparse.ArgumentParser, default: str | None) -> None:
@@ -195,16 +196,66 @@ def _parser() -> argparse.ArgumentParser:
     add_json(simulate)
     simulate.set_defaults(run=_Run("simulate"))
 
+    trial = add(
+        "trial",
+        "Run scenarios: disturbed walks with expectations; exit status 1 if one does not hold.",
+        "frontal-biped trial examples/scenarios/push.scenario.toml --repeat 20 --seed 1 --jobs 2 --save runs",
+    )
+    trial.add_argument("scenarios", metavar="SCENARIO.toml", type=Path, nargs="+", help="scenario files")
+    trial.add_argument("--repeat", metavar="N", type=_positive_int, help="trials of each; default: what its file says")
+    trial.add_argument("--seed", metavar="S", type=_whole_number, help="of all trials; default: what each file says")
+    trial.add_argument("--only", metavar="K", type=_whole_number, help="only trial K, from 0, of each scenario")
+    trial.add_argument("--jobs", metavar="N", type=_positive_int, default=1, help="worker processes; default: 1")
+    trial.add_argument("--junit", metavar="FILE", type=Path, help="write JUnit XML")
+    trial.add_argument("--save", metavar="DIR", type=Path, help="keep a run file of every trial, for `view` and `plot`")
+    shown = trial.add_mutually_exclusive_group()
+    shown.add_argument("--markdown", action="store_true", help="print the table as Markdown")
+    add_json(shown)
+    trial.set_defaults(run=_Run("trial", "trial"))
+
     view = add(
         "view",
         "Watch a gait or a run in the browser: live, or as one self-contained page.",
         "frontal-biped view gait.json --html page.html",
     )
     view.add_argument("source", metavar="G.json|RUN.npz", type=Path, help="gait or run file")
+    view.add_argument("beside", metavar="SECOND", type=Path, nargs="?", help="a second one, shown beside the first")
     add_robot(view, None)
+    view.add_argument("--ghost", action="store_true", help="the desired posture as well, translucent")
+    view.add_argument("--overlay", action="store_true", help="the second run translucent over the first, not beside it")
     view.add_argument("--html", metavar="PAGE.html", type=Path, help="write one offline page instead of a live view")
     view.add_argument("--no-open", action="store_true", help="do not open a browser, only print the address")
-    view.set_defaults(run=_Run("view"))
+    view.add_argument(
+        "--port", metavar="N", type=_whole_number, default=0, help="of the live view; default: the first free one"
+    )
+    view.set_defaults(run=_Run("view", "view"))
+
+    export = add(
+        "export",
+        "A run as CSV of joint angles, velocities, torques and FRI, as GIF, PNG or page, by the ending of -o; of a gait"
+        " its periodic orbit. GIF and PNG need the extra `browser`.",
+        "frontal-biped export run.npz -o run.csv --rate 200",
+    )
+    export.add_argument("source", metavar="G.json|RUN.npz", type=Path, help="gait or run file")
+    add_robot(export, None)
+    export.add_argument("-o", "--output", metavar="FILE", type=Path, required=True, help=".csv, .gif, .png or .html")
+    export.add_argument("--steps", metavar="N", type=_positive_int, help="default: all of a run, two of a gait")
+    export.add_argument(
+        "--coordinates",
+        choices=("urdf", "stance", "both"),
+        default="urdf",
+        help="CSV: the URDF's joints by name, the paper's stance coordinates, or both; default: urdf",
+    )
+    export.add_argument(
+        "--rate", metavar="HZ", type=_positive_float, help="CSV: rows per second; default: the samples of the run"
+    )
+    export.add_argument(
+        "--time", metavar="T", type=_not_negative_float, default=0.0, help="PNG: time of the run, s; default: 0"
+    )
+    export.add_argument("--fps", metavar="F", type=_positive_float, default=20.0, help="GIF: default: 20")
+    export.add_argument("--size", metavar="WxH", type=_size, help="pixels; default: 1280x800, of a GIF 640x480")
+    export.add_argument("--dark", action="store_true", help="light on dark")
+    export.set_defaults(run=_Run("export", "export"))
 
     plot = add("plot", "Write the paper's figures and more.", "frontal-biped plot run.npz -o figures")
     plot.add_argument("source", metavar="G.json|RUN.npz", type=Path, help="gait or run file")
@@ -212,7 +263,26 @@ def _parser() -> argparse.ArgumentParser:
     plot.add_argument(
         "-o", "--output", metavar="DIR", type=Path, default=Path("figures"), help="folder; default: figures"
     )
+    plot.add_argument(
+        "--format",
+        metavar="F,F",
+        type=_figure_formats,
+        default=("svg", "png"),
+        help="svg, pdf, png, or several with commas; default: svg,png",
+    )
     plot.set_defaults(run=_Run("plot"))
+
+    studio = add(
+        "studio",
+        "Set the specification with sliders in the browser, watch the gait designed anew, push the robot.",
+        "frontal-biped studio --robot talos_full",
+    )
+    add_robot(studio, "frontal_biped")
+    studio.add_argument(
+        "--port", metavar="P", type=_positive_int, default=0, help="port; default: the first free one from 8080 on"
+    )
+    studio.add_argument("--no-open", action="store_true", help="do not open a browser, only print the address")
+    studio.set_defaults(run=_Run("studio", "studio"))
 
     robots = add(
         "robots",
@@ -237,12 +307,11 @@ def _parser() -> argparse.ArgumentParser:
 class _Run:
     """The command of a name; its module, and Pinocchio with it, is imported when it runs, so --help stays fast."""
 
-    def __init__(self, name: str) -> None:
-        self.name = name
+    def __init__(self, name: str, module: str = "commands") -> None:
+        self.name, self.module = name, module
 
     def __call__(self, arguments: argparse.Namespace) -> int:
-        from frontal_biped.cli import commands
-
+        commands = import_module(f"frontal_biped.cli.{self.module}")
         function = getattr(commands, f"run_{self.name}")
         return int(function(arguments))
 
@@ -255,6 +324,21 @@ def _positive_int(text: str) -> int:
     if value <= 0:
         raise argparse.ArgumentTypeError(f"{text!r} is not a positive whole number")
     return value
+
+
+def _figure_formats(text: str) -> tuple[str, ...]:
+    formats = tuple(part.strip().lower() for part in text.split(","))
+    wrong = [part for part in formats if part not in ("svg", "pdf", "png")]
+    if wrong:
+        raise argparse.ArgumentTypeError(f"{wrong[0]!r} is none of svg, pdf, png")
+    return formats
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.partition("x")
+    if not (width.isdecimal() and height.isdecimal() and min(int(width), int(height)) >= 100):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a size like 1280x800, 100 pixels or more")
+    return int(width), int(height)
 
 
 def _positive_float(text: str) -> float:

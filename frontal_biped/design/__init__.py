@@ -6,7 +6,7 @@ from frontal_biped.design.optimise import DesignResult, design_gait
 from frontal_biped.design.report import ConstraintCheck, ConstraintReport, check_constraints
 from frontal_biped.design.shipped import load_specification, specification_names
 from frontal_biped.design.specification import GaitSpecification, default_specification, read_specification
-from frontal_biped.design.studies import StudyPoint, degree_study, pareto_front
+from frontal_biped.design.studies import StudyPoint, cost_over, degree_study, pareto_front
 from frontal_biped.design.transition import Transition, design_transition
 from frontal_biped.design.verification import Verification, verify
 
@@ -22,6 +22,7 @@ __all__ = [
     "Transition",
     "Verification",
     "check_constraints",
+    "cost_over",
     "default_specification",
     "degree_study",
     "design_gait",

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLUMN = 6.4
-"""Width of a figure [in]; set at 90 % of it, the 9 pt text is still above 8 pt."""
+COLUMN = 3.5
+"""Width of a figure [in]: one column of a paper, without scaling."""
 
 # Okabe and Ito's palette: told apart by colour-blind readers, and of different lightness
 BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, BLACK = (
@@ -38,14 +38,14 @@ JOINTS = ("stance ankle", "stance hip", "swing hip", "swing ankle")
 JOINT_STYLES = ((BLUE, "-"), (VERMILION, "--"), (GREEN, "-."), (PURPLE, ":"))
 
 _STYLE: Any = {
-    "font.size": 9.0,
+    "font.size": 8.0,
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans"],
-    "axes.labelsize": 9.0,
-    "axes.titlesize": 9.5,
-    "xtick.labelsize": 8.5,
-    "ytick.labelsize": 8.5,
-    "legend.fontsize": 8.5,
+    "axes.labelsize": 8.0,
+    "axes.titlesize": 8.5,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "legend.fontsize": 8.0,
     "legend.frameon": False,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -53,7 +53,7 @@ _STYLE: Any = {
     "axes.axisbelow": True,
     "grid.color": "#DDE2E8",
     "grid.linewidth": 0.6,
-    "lines.linewidth": 1.6,
+    "lines.linewidth": 1.4,
     "svg.fonttype": "path",  # looks the same wherever it is opened
     "savefig.facecolor": "white",
 }
@@ -120,12 +120,13 @@ def shade_phases(axes: Sequence["Axes"], trajectory: Trajectory) -> None:
             axes[0].text(
                 0.5 * (left + right),
                 1.02,
-                f"{word}, {foot}",
+                f"{word}\n{foot} foot",
                 transform=axes[0].get_xaxis_transform(),
                 ha="center",
                 va="bottom",
                 fontsize=8.0,
                 color="#52606D",
+                linespacing=1.0,
             )
     for ax in axes:
         ax.set_xlim(0.0, max(float(trajectory.t[-1]) - start, 1e-6))
@@ -141,15 +142,27 @@ def by_phase(trajectory: Trajectory, values: FloatArray) -> tuple[FloatArray, Fl
     return np.concatenate(t), np.concatenate(pieces)
 
 
+PHASE_LABELS = 0.34
+"""Height of the two lines that `shade_phases` writes above its first panel [in]."""
+
+
 def legend_above(ax: "Axes", columns: int, lift: float = 0.0) -> None:
-    """Legend outside the data, above the axes; lift clears a line of text there (axes heights)."""
+    """Legend outside the data, above the axes; lift clears text that stands there [in]."""
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    from matplotlib.transforms import ScaledTranslation
+
+    raised = ax.transAxes + ScaledTranslation(0.0, lift, figure.dpi_scale_trans)
     ax.legend(
         loc="lower left",
-        bbox_to_anchor=(0.0, 1.0 + lift),
+        bbox_to_anchor=(0.0, 1.0),
+        bbox_transform=raised,
         ncols=columns,
         borderaxespad=0.3,
-        handlelength=2.4,
-        columnspacing=1.2,
+        handlelength=2.2,
+        handletextpad=0.5,
+        columnspacing=1.0,
+        labelspacing=0.25,
     )
 
 

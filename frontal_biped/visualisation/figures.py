@@ -3,7 +3,7 @@
 Each function takes data and returns a Matplotlib figure made with the object API; nothing is shown.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ from frontal_biped.files import atomic_path, write_text
 from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.visualisation.barrier_figures import energy_barrier
 from frontal_biped.visualisation.figure_style import figure_svg, styled
 from frontal_biped.visualisation.orbit import orbit_trajectory
 from frontal_biped.visualisation.state_figures import energy, phase_portrait, snapshots
@@ -23,6 +24,7 @@ __all__ = [
     "FIGURES",
     "all_figures",
     "energy",
+    "energy_barrier",
     "figure_svg",
     "ground_reaction",
     "joint_angles",
@@ -34,11 +36,15 @@ __all__ = [
     "write_figures",
 ]
 
+FORMATS = ("svg", "pdf", "png")
+"""What figures can be written as; PNG at 300 dots per inch."""
+
 FIGURES: dict[str, str] = {
     "joint_angles": "Joint angles, desired and simulated, over two steps.",
     "snapshots": "Two steps, seen from the front.",
     "phase_portrait": "Phase portrait of the stance ankle, the phase variable.",
     "energy": "Energy of the zero dynamics on the periodic orbit.",
+    "barrier": "Will it tip over? The energy barrier, and orbits of perturbed steps before it.",
     "torques": "Joint torques over two steps.",
     "ground_reaction": "Ground reaction with its friction cone, and the FRI inside the sole.",
     "swing_foot_height": "Height of the swing sole above the ground.",
@@ -53,7 +59,7 @@ def all_figures(
 
     Args:
         biped: the robot.
-        gait: the gait; None: there is no energy figure.
+        gait: the gait; None: there are no energy figures.
         trajectory: the run; None: the periodic orbit of the gait.
 
     Returns:
@@ -79,35 +85,47 @@ def all_figures(
     if gait is not None:
         known = gait
         makers["energy"] = lambda: energy(biped, known)
+        makers["barrier"] = lambda: energy_barrier(biped, known, run)
     return [(name, makers[name]()) for name in FIGURES if name in makers]
 
 
 @styled
 def write_figures(
-    directory: Path | str, biped: FrontalBiped, gait: Gait | None, trajectory: Trajectory | None = None
+    directory: Path | str,
+    biped: FrontalBiped,
+    gait: Gait | None,
+    trajectory: Trajectory | None = None,
+    formats: Sequence[str] = ("svg", "png"),
 ) -> list[Path]:
-    """Write every figure as SVG and PNG; each file appears whole or not at all.
+    """Write every figure; each file appears whole or not at all.
 
     Args:
         directory: made if absent; files of the same names are replaced.
         biped: the robot.
-        gait: the gait; None: there is no energy figure.
+        gait: the gait; None: there are no energy figures.
         trajectory: the run; None: the periodic orbit of the gait.
+        formats: of `FORMATS`.
 
     Returns:
         The files written.
     """
     written = []
     for name, figure in all_figures(biped, gait, trajectory):
-        written += write_figure(directory, name, figure)
+        written += write_figure(directory, name, figure, formats)
     return written
 
 
 @styled
-def write_figure(directory: Path | str, name: str, figure: "Figure") -> list[Path]:
-    """Write one figure as SVG and PNG; returns both files."""
-    vector, raster = Path(directory) / f"{name}.svg", Path(directory) / f"{name}.png"
-    write_text(vector, figure_svg(figure) + "\n")
-    with atomic_path(raster) as temporary:
-        figure.savefig(temporary, format="png", dpi=160)
-    return [vector, raster]
+def write_figure(
+    directory: Path | str, name: str, figure: "Figure", formats: Sequence[str] = ("svg", "png")
+) -> list[Path]:
+    """Write one figure in some of `FORMATS`; returns the files."""
+    files = [Path(directory) / f"{name}.{kind}" for kind in formats]
+    for kind, file in zip(formats, files, strict=True):
+        if kind == "svg":
+            write_text(file, figure_svg(figure) + "\n")
+            continue
+        with atomic_path(file) as temporary:
+            # no date: equal figures, equal bytes
+            figure.savefig(temporary, format=kind, dpi=300, metadata={"CreationDate": None} if kind == "pdf" else None)
+    return files

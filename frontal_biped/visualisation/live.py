@@ -18,8 +18,9 @@ from typing import Any, Self
 from frontal_biped.exceptions import FrontalBipedError
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import Trajectory
-from frontal_biped.visualisation.meshcat_page import SceneRecorder, timeline, viewer_page
-from frontal_biped.visualisation.scene import animate, draw_scene
+from frontal_biped.visualisation.meshcat_page import SceneRecorder, viewer_page
+from frontal_biped.visualisation.page_data import page_data
+from frontal_biped.visualisation.scene import animate, cast, draw_scene
 
 HOST = "127.0.0.1"  # this machine only; from another one, forward the port with ssh
 FIRST_PORT, PORTS = 7000, 100
@@ -42,7 +43,7 @@ class LiveViewer(SceneRecorder):
 
         Args:
             title: of the page.
-            about: see `timeline`.
+            about: see `page_data`.
             port: 0: the first free one from 7000 on.
 
         Raises:
@@ -160,6 +161,10 @@ def view_live(
     wait: bool = True,
     title: str | None = None,
     port: int = 0,
+    *,
+    ghost: bool = False,
+    beside: tuple[FrontalBiped, Trajectory] | None = None,
+    overlay: bool = False,
 ) -> LiveViewer:
     """Show a run in the browser.
 
@@ -173,17 +178,21 @@ def view_live(
         wait: stay until interrupted.
         title: of the page; None: the robot's name.
         port: 0: the first free one from 7000 on.
+        ghost: show the desired posture as well, see `animation_page`.
+        beside: a second robot and its run.
+        overlay: the second run over the first instead of beside it.
 
     Returns:
         The viewer, closed already with ``wait``.
     """
     import meshcat
 
-    viewer = LiveViewer(title or biped.name, timeline(biped, trajectory), port)
+    actors = cast(biped, trajectory, ghost=ghost, beside=beside, overlay=overlay)
+    viewer = LiveViewer(title or biped.name, page_data(actors), port)
     try:
         visualizer = meshcat.Visualizer(window=viewer)
-        draw_scene(visualizer, biped)
-        animate(visualizer, biped, trajectory)
+        draw_scene(visualizer, actors)
+        animate(visualizer, actors)
         ending = " (Ctrl+C to quit)" if wait else ""
         sys.stdout.write(f"Viewer at {viewer.url}{ending}\n")
         sys.stdout.flush()

@@ -3,14 +3,15 @@
 import base64
 import html
 import json
+from collections.abc import Sequence
 from importlib.resources import files
 from string import Template
 from typing import Any
 
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import Trajectory
-from frontal_biped.visualisation.scene import animate, draw_scene, frontal_camera
-from frontal_biped.visualisation.world import phase_spans
+from frontal_biped.visualisation.page_data import page_data
+from frontal_biped.visualisation.scene import Actor, animate, cast, draw_scene
 
 
 class SceneRecorder:
@@ -52,21 +53,30 @@ class SceneRecorder:
         return viewer_page("MeshCat", self.packed(), {})
 
 
-def recorded_scene(biped: FrontalBiped, trajectory: Trajectory, fps: float = 30.0) -> SceneRecorder:
-    """Scene and animation of a run, in memory."""
+def recorded_scene(actors: Sequence[Actor], fps: float = 30.0) -> SceneRecorder:
+    """Scene and animation of the robots of `cast`, in memory."""
     import meshcat
 
     recorder = SceneRecorder()
     visualizer = meshcat.Visualizer(window=recorder)
-    draw_scene(visualizer, biped)
-    animate(visualizer, biped, trajectory, fps)
+    draw_scene(visualizer, actors)
+    animate(visualizer, actors, fps)
     return recorder
 
 
 def animation_page(
-    biped: FrontalBiped, trajectory: Trajectory, title: str = "Frontal-plane walking", fps: float = 30.0
+    biped: FrontalBiped,
+    trajectory: Trajectory,
+    title: str = "Frontal-plane walking",
+    fps: float = 30.0,
+    *,
+    ghost: bool = False,
+    beside: tuple[FrontalBiped, Trajectory] | None = None,
+    overlay: bool = False,
+    plots: bool = True,
+    theme: str = "auto",
 ) -> str:
-    """One HTML page with the animated robot, play, pause and a time slider.
+    """One HTML page with the animated robot, its time line, and plots that follow it.
 
     The page needs no network and opens from a file. It shows the run in a loop and in real time.
 
@@ -75,30 +85,17 @@ def animation_page(
         trajectory: the run, at least one sample.
         title: of the page.
         fps: key frames per second.
+        ghost: show the desired posture (beta, h_d(beta)) as well, translucent.
+        beside: a second robot and its run, on the right of the first.
+        overlay: the second run translucent over the first instead.
+        plots: with plots below the robot.
+        theme: "auto" (what the browser prefers), "light" or "dark".
 
     Returns:
-        The page's text, about 1 MB; with the meshes of a robot 2 to 3 MB.
+        The page's text, about 1 MB; with the meshes of a robot 2 to 4 MB.
     """
-    return viewer_page(title, recorded_scene(biped, trajectory, fps).packed(), timeline(biped, trajectory))
-
-
-def timeline(biped: FrontalBiped, trajectory: Trajectory) -> dict[str, Any]:
-    """What the page must know beside the scene: duration [s], phases and camera."""
-    start = float(trajectory.t[0])
-    return {
-        "duration": float(trajectory.t[-1]) - start,
-        "phases": [
-            {
-                "start": span.start - start,
-                "step": span.step + 1,
-                "stance": span.stance.value,
-                "phase": "rising" if span.rising else "falling",
-            }
-            for span in phase_spans(trajectory)
-        ],
-        "outcome": trajectory.outcome,
-        "camera": frontal_camera(biped),
-    }
+    actors = cast(biped, trajectory, ghost=ghost, beside=beside, overlay=overlay)
+    return viewer_page(title, recorded_scene(actors, fps).packed(), page_data(actors, plots, theme))
 
 
 def viewer_page(title: str, packed: list[bytes], about: dict[str, Any], socket: bool = False) -> str:
@@ -107,7 +104,7 @@ def viewer_page(title: str, packed: list[bytes], about: dict[str, Any], socket: 
     Args:
         title: of the page.
         packed: the scene's commands; empty if they come by web socket.
-        about: see `timeline`.
+        about: see `page_data`.
         socket: connect back to the server of the page.
 
     Returns:
@@ -119,10 +116,10 @@ def viewer_page(title: str, packed: list[bytes], about: dict[str, Any], socket: 
         meshcat_licence=_viewer_file("main.min.js.LICENSE.txt").replace("--", "- -"),
         meshcat=_viewer_file("main.min.js"),
         commands=script_json([base64.b64encode(command).decode("ascii") for command in packed]),
-        timeline=script_json(about),
+        about=script_json(about),
         socket="true" if socket else "false",
         connect="ws:" if socket else "",
-        script=web_text("viewer.js"),
+        script=web_text("plots.js") + web_text("timeline.js") + web_text("viewer.js"),
     )
 
 

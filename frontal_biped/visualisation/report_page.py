@@ -46,7 +46,7 @@ def report_page(
         The page's text.
     """
     heading = title or f"{biped.name}: frontal-plane walking"
-    animation = animation_page(biped, trajectory, title=biped.name)
+    animation = animation_page(biped, trajectory, title=biped.name, theme="light")
     outcome = f"{trajectory.steps_completed} steps, {trajectory.outcome}"
     return Template(web_text("report.html")).substitute(
         title=html.escape(heading),

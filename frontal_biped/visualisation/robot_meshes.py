@@ -113,8 +113,14 @@ def split_creases(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, Fl
     return np.array(new_vertices), np.array(new_normals), new_faces.reshape(-1, 3)
 
 
-def draw_mesh(node: Any, shape: pin.GeometryObject, vertices: FloatArray, faces: IntArray) -> None:
-    """Put a mesh into a MeshCat node, in the URDF's colour."""
+def draw_mesh(
+    node: Any,
+    shape: pin.GeometryObject,
+    vertices: FloatArray,
+    faces: IntArray,
+    colour: tuple[float, float, float, float] | None = None,
+) -> None:
+    """Put a mesh into a MeshCat node, in the given colour or the URDF's."""
     import meshcat.geometry as mg
 
     class ShadedMesh(mg.TriangularMeshGeometry):  # type: ignore[misc]
@@ -126,9 +132,11 @@ def draw_mesh(node: Any, shape: pin.GeometryObject, vertices: FloatArray, faces:
             return lowered
 
     points, normals, triangles = split_creases(vertices, faces)
-    red, green, blue, opacity = _colour(shape)
+    red, green, blue, opacity = colour or _colour(shape)
     material = mg.MeshPhongMaterial(
-        color=(round(255 * red) << 16) + (round(255 * green) << 8) + round(255 * blue), opacity=opacity, shininess=20
+        color=(round(255 * red) << 16) + (round(255 * green) << 8) + round(255 * blue),
+        opacity=opacity,
+        shininess=20,
     )
     node.set_object(ShadedMesh(points, triangles), material)
     node.set_transform(np.asarray(shape.placement.homogeneous, dtype=float))

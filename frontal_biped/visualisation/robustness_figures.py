@@ -57,13 +57,13 @@ def sensitivity(runs: Sequence[LossOfInvariance]) -> "Figure":
                 label=f"{name} transitions",
             )
         ax.set_title(title, loc="left")
-        ax.set_xlabel("|reversal − planned| [rad]")
+        ax.set_xlabel("|error| [rad]")
         ax.axhline(1e-6, color=BLACK, linewidth=0.8, linestyle=(0, (2, 2)))
         ax.margins(0.06)
     early.set_ylabel(r"largest $|q_b - h_d|$ [rad]")
     # half-way along, where the first error is too large and the second too small for a marker near the line
     early.text(0.5, 1.25e-6, "1e-6", transform=early.get_yaxis_transform(), fontsize=8.0, va="bottom", ha="center")
-    legend_above(early, 2, lift=0.1)
+    figure.legend(*early.get_legend_handles_labels(), loc="outside upper left", ncols=2, columnspacing=1.0)
     return figure
 
 
@@ -90,6 +90,6 @@ def return_map(card: RobustnessCard) -> "Figure":
     ax.plot([1.0], [1.0], "o", color=BLACK, markersize=6, linestyle="none", label="gait")
     ax.set_xlabel("post-impact speed, relative to the gait's [-]")
     ax.set_ylabel("after the next impact [-]")
-    ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    legend_above(ax, 3)
     ax.margins(0.04)
     return figure

@@ -15,6 +15,7 @@ from frontal_biped.visualisation.figure_style import (
     COLUMN,
     GREEN,
     VERMILION,
+    legend_above,
     new_figure,
     own_or_new,
     styled,
@@ -67,8 +68,8 @@ def snapshots(biped: FrontalBiped, trajectory: Trajectory, count: int = 7) -> "F
     pitch = reach + 0.55 * biped.leg_length
     bottom, top = -0.22 * biped.leg_length, 1.75 * biped.leg_length
     # equal scales: the width of the page and the poses in a row settle the height
-    panel = 0.86 * COLUMN * (top - bottom) / (count * pitch)
-    figure = new_figure("snapshots", len(steps) * (panel + 0.3) + 0.35)
+    panel = 0.84 * COLUMN * (top - bottom) / (count * pitch)
+    figure = new_figure("snapshots", len(steps) * (panel + 0.32) + 0.45)
     axes = figure.subplots(len(steps), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     for ax, step in zip(axes, steps, strict=True):
         spans = [span for span in phase_spans(run) if span.step == step]
@@ -83,14 +84,14 @@ def snapshots(biped: FrontalBiped, trajectory: Trajectory, count: int = 7) -> "F
             ax.text(
                 k * pitch,
                 -0.07 * biped.leg_length,
-                f"{poses.t[k] - run.t[0]:.2f} s",
+                f"{poses.t[k] - run.t[0]:.2f}",
                 ha="center",
                 va="top",
                 fontsize=8.0,
             )
         foot = "left" if poses.stance[0] > 0.0 else "right"
         reversal = f", reversal at {spans[0].end - run.t[0]:.2f} s" if len(spans) > 1 else ""
-        ax.set_title(f"step {step + 1}: {foot} foot stands{reversal}", loc="left")
+        ax.set_title(f"step {step + 1}: {foot} foot{reversal}; times in s", loc="left")
         ax.set_aspect("equal")
         ax.set_ylabel("height z [m]")
         ax.set_xlim(-0.6 * pitch, (count - 0.4) * pitch)
@@ -98,7 +99,7 @@ def snapshots(biped: FrontalBiped, trajectory: Trajectory, count: int = 7) -> "F
         ax.grid(False)
         ax.spines["bottom"].set_visible(False)
         ax.tick_params(bottom=False, labelbottom=False)
-    axes[-1].set_xlabel(f"lateral position y [m], poses {pitch:.2f} m apart; left leg blue, right leg orange, dashed")
+    axes[-1].set_xlabel(f"lateral position y [m], poses {pitch:.2f} m apart\nleft leg blue, right leg orange, dashed")
     return figure
 
 
@@ -113,7 +114,7 @@ def phase_portrait(trajectory: Trajectory, ax: "Axes | None" = None) -> "Figure"
     Returns:
         dbeta [rad/s] over beta [rad].
     """
-    figure, ax = own_or_new(ax, "phase_portrait", 3.6)
+    figure, ax = own_or_new(ax, "phase_portrait", 3.0)
     spans = phase_spans(trajectory)
     beta, dbeta = trajectory.q[:, 0], trajectory.dq[:, 0]
     for span in spans:
@@ -139,7 +140,7 @@ def phase_portrait(trajectory: Trajectory, ax: "Axes | None" = None) -> "Figure"
     ax.set_xlabel(r"stance ankle angle $\beta$ [rad]")
     ax.set_ylabel(r"$\dot\beta$ [rad/s]")
     ax.margins(0.06)
-    ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    legend_above(ax, 2)
     return figure
 
 
@@ -159,7 +160,7 @@ def energy(biped: FrontalBiped, gait: Gait) -> "Figure":
         ("rising", resample_orbit(biped, gait.rising, step.rising, _TAU), BLUE, "-"),
         ("falling", resample_orbit(biped, gait.falling, step.falling, _TAU), VERMILION, "--"),
     )
-    figure = new_figure("energy", 5.0)
+    figure = new_figure("energy", 4.4)
     upper, lower = figure.subplots(2, 1, sharex=True)
     for name, orbit, colour, style in phases:
         for ax, values in ((upper, orbit.zeta), (lower, orbit.V_Z)):
@@ -174,9 +175,9 @@ def energy(biped: FrontalBiped, gait: Gait) -> "Figure":
     upper.plot([], [], "o", color=GREEN, markersize=6, linestyle="none", label="reversal")
     lower.axhline(0.0, color=BLACK, linewidth=0.8)
     upper.set_ylabel(r"$\zeta=\sigma_{\mathrm{FRI}}^2/2$" + "\n" + r"[kg$^2$ m$^4$/s$^2$]")
-    lower.set_ylabel(r"$V_Z$, from the start of the phase" + "\n" + r"[kg$^2$ m$^4$/s$^2$]")
+    lower.set_ylabel(r"$V_Z$ of the phase" + "\n" + r"[kg$^2$ m$^4$/s$^2$]")
     lower.set_xlabel(r"stance ankle angle $\beta$ [rad]")
-    upper.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    legend_above(upper, 2)
     figure.align_ylabels([upper, lower])
     return figure
 

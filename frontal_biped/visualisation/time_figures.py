@@ -14,6 +14,7 @@ from frontal_biped.visualisation.figure_style import (
     JOINT_STYLES,
     JOINTS,
     ORANGE,
+    PHASE_LABELS,
     VERMILION,
     by_phase,
     legend_above,
@@ -74,7 +75,7 @@ def torques(biped: FrontalBiped, trajectory: Trajectory, steps: int = 2, ax: "Ax
         u_1 to u_4 [N m] over time [s].
     """
     run = trajectory.first_steps(steps)
-    figure, ax = own_or_new(ax, "torques", 3.3)
+    figure, ax = own_or_new(ax, "torques", 3.2)
     t, u = by_phase(run, run.u)
     for i, (colour, style) in enumerate(JOINT_STYLES):
         ax.plot(t, u[:, i], color=colour, linestyle=style, label=f"{JOINTS[i]} $u_{i + 1}$")
@@ -84,12 +85,11 @@ def torques(biped: FrontalBiped, trajectory: Trajectory, steps: int = 2, ax: "Ax
         if limit < 1.5 * peak:
             for sign in (-1.0, 1.0):
                 ax.axhline(sign * limit, color=BLACK, linestyle=("--", ":")[i], linewidth=1.0)
-    names = f"limits: ankle ±{limits[0]:.0f} N m, hip ±{limits[1]:.0f} N m"
-    peaks = f"largest: ankle {np.abs(run.u[:, [0, 3]]).max():.0f} N m, hip {np.abs(run.u[:, [1, 2]]).max():.0f} N m"
-    _headroom(ax, 0.16)
-    ax.text(0.99, 0.985, f"{names}\n{peaks}", transform=ax.transAxes, ha="right", va="top", fontsize=8.0)
+    ankle, hip = np.abs(run.u[:, [0, 3]]).max(), np.abs(run.u[:, [1, 2]]).max()
+    reached = f"largest: ankle {ankle:.0f} of {limits[0]:.0f}, hip {hip:.0f} of {limits[1]:.0f} N m"
+    ax.set_xlabel(f"{ax.get_xlabel()}\n{reached}")
     ax.set_ylabel("torque [N m]")
-    legend_above(ax, 4, lift=0.07)
+    legend_above(ax, 2, lift=PHASE_LABELS)
     return figure
 
 
@@ -111,7 +111,7 @@ def ground_reaction(
     run = trajectory.first_steps(steps)
     specification = run.gait.get("specification", {})
     mu = float(specification.get("friction", 0.6)) if friction is None else friction
-    figure, axes = panels("ground_reaction", 3, 5.4)
+    figure, axes = panels("ground_reaction", 3, 6.0)
     vertical, horizontal, fri = axes
     t, force = by_phase(run, run.force)
     _, p = by_phase(run, np.stack([run.p_fri, run.p_fri_target], axis=1))
@@ -138,8 +138,9 @@ def ground_reaction(
     fri.set_ylim(*_around(np.append(1e3 * run.p_fri, [outer, inner])))
     fri.set_ylabel("FRI from the ankle\n" + r"$p_{\mathrm{FRI}}$ [mm]")
     shade_phases(axes, run)
-    for ax in axes:
-        ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    legend_above(vertical, 2, lift=PHASE_LABELS)
+    legend_above(horizontal, 2)
+    legend_above(fri, 3)
     figure.align_ylabels(axes)
     return figure
 
@@ -169,15 +170,15 @@ def swing_foot_height(
     figure, ax = own_or_new(ax, "swing_foot_height", 3.0)
     height = 1e3 * np.array([biped.swing_sole(q)[:, 1] for q in run.q])
     t, ends = by_phase(run, height)
-    ax.plot(t, ends[:, 0], color=BLUE, label="inner end of the sole")
+    ax.plot(t, ends[:, 0], color=BLUE, label="inner end")
     ax.plot(t, ends[:, 1], color=VERMILION, linestyle="--", label="outer end")
     if asked is not None:
         _, least = by_phase(run, 1e3 * float(asked) * clearance_profile(run))
-        ax.fill_between(t, 0.0, least, color=ORANGE, alpha=0.35, linewidth=0.0, label="clearance asked for")
+        ax.fill_between(t, 0.0, least, color=ORANGE, alpha=0.35, linewidth=0.0, label="asked for")
     ax.axhline(0.0, color=BLACK, linewidth=0.8)
     shade_phases([ax], run)
-    ax.set_ylabel("height above the ground [mm]")
-    legend_above(ax, 3, lift=0.07)
+    ax.set_ylabel("height of the sole [mm]")
+    legend_above(ax, 2, lift=PHASE_LABELS)
     return figure
 
 

@@ -119,6 +119,32 @@ def resample(trajectory: Trajectory, times: FloatArray) -> Trajectory:
     return replace(trajectory, **arrays)
 
 
+def drawable(trajectory: Trajectory) -> Trajectory:
+    """The run as far as it can be drawn: up to the first posture that is not finite, gaps filled.
+
+    Runs of other simulators may lack the desired posture, or the FRI and force while nothing touches the ground: the
+    actual posture, the ankle's place and no force stand in for them.
+
+    Raises:
+        ValueError: the run has no sample that can be drawn.
+    """
+    bad = np.flatnonzero(~np.isfinite(np.column_stack([trajectory.t, trajectory.q, trajectory.stance_y])).all(axis=1))
+    count = int(bad[0]) if len(bad) else len(trajectory.t)
+    if not count:
+        raise ValueError("the run has no posture to draw")
+    cut: dict[str, Any] = {name: getattr(trajectory, name)[:count] for name in (*_INTERPOLATED, *_HELD, "t")}
+
+    def filled(name: str, otherwise: FloatArray | float) -> FloatArray:
+        return np.where(np.isfinite(cut[name]), cut[name], otherwise)
+
+    cut["q_b_desired"] = filled("q_b_desired", cut["q"][:, 1:])
+    cut["p_fri"] = filled("p_fri", 0.0)
+    cut["p_fri_target"] = filled("p_fri_target", cut["p_fri"])
+    for name in ("dq", "u", "force"):
+        cut[name] = filled(name, 0.0)
+    return replace(trajectory, **cut)
+
+
 def frame_times(trajectory: Trajectory, fps: float) -> FloatArray:
     """(K,) instants at a fixed rate from the first sample on [s]; the last one is the end of the run exactly."""
     start, end = float(trajectory.t[0]), float(trajectory.t[-1])

@@ -11,17 +11,8 @@ from frontal_biped.gait import Gait, load_gait
 from frontal_biped.model import FrontalBiped
 from frontal_biped.simulation import Trajectory
 from frontal_biped.visualisation import orbit_trajectory
+from frontal_biped.visualisation.headless import CHROMIUM_OPTIONS
 from frontal_biped.walking import simulate
-
-CHROMIUM_OPTIONS = [
-    "--no-sandbox",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-background-networking",
-    "--disable-quic",
-    "--no-first-run",
-]
 
 
 @pytest.fixture(scope="session")
@@ -58,6 +49,6 @@ def browser() -> Iterator[object]:
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=executable, args=CHROMIUM_OPTIONS)
+        chromium = playwright.chromium.launch(executable_path=executable, args=list(CHROMIUM_OPTIONS))
         yield chromium
         chromium.close()

@@ -1,4 +1,4 @@
-"use strict";
+// The page around MeshCat's viewer. Reads `commands` (the scene), `about` (see page_data.py) and `live`.
 (() => {
   const at = (id) => document.getElementById(id);
   let viewer;
@@ -10,14 +10,17 @@
     return;
   }
   window.viewer = viewer;
+  const runs = about.runs || [], node = (...path) => viewer.scene_tree.find(path).object;
+  const exists = (...path) => {
+    let place = viewer.scene_tree;
+    for (const name of path) {
+      if (!(name in place.children)) return false;
+      place = place.children[name];
+    }
+    return true;
+  };
 
-  // MeshCat takes the height of the window for its own; here the bar below takes a share of it
-  const fit = () => viewer.set_3d_pane_size(at("scene").clientWidth, at("scene").clientHeight);
-  window.onload = fit;
-  new ResizeObserver(fit).observe(at("scene"));
-  window.addEventListener("resize", fit);
-  requestAnimationFrame(fit);
-
+  // ------------------------------------------------------------------ scene
   const panel = viewer.gui.domElement;
   panel.style.display = "none";
   at("tree").addEventListener("click", () => {
@@ -32,72 +35,204 @@
   }
   if (live) viewer.connect("ws://" + location.host + "/");
 
-  if (timeline.camera) {
-    // the viewer's own frame has y up: (x, z, -y)
-    const own = ([x, y, z]) => [x, z, -y];
-    viewer.camera.position.set(...own(timeline.camera.position));
-    viewer.controls.target.set(...own(timeline.camera.target));
+  // far enough away for everything to be seen, however narrow the window
+  const look = () => {
+    if (!about.camera) return;
+    const { position, target, half_width } = about.camera;
+    const offset = position.map((value, k) => value - target[k]);
+    const shown = Math.hypot(...offset) * Math.tan((viewer.camera.fov * Math.PI) / 360) * viewer.camera.aspect;
+    const away = Math.max(1, (1.05 * half_width) / shown);
+    const own = ([x, y, z]) => [x, z, -y]; // the viewer's own frame has y up
+    viewer.camera.position.set(...own(target.map((value, k) => value + away * offset[k])));
+    viewer.controls.target.set(...own(target));
     viewer.controls.update();
-    viewer.controls.saveState();
-    at("scene").addEventListener("dblclick", () => { viewer.controls.reset(); viewer.set_dirty(); });
-  }
+    viewer.set_dirty();
+  };
+  let turned = false;
+  at("scene").addEventListener("pointerdown", () => { turned = true; });
+  at("scene").addEventListener("wheel", () => { turned = true; }, { passive: true });
+  at("scene").addEventListener("dblclick", () => { turned = false; look(); });
 
-  const slider = at("slider"), play = at("play"), phases = timeline.phases || [];
+  // MeshCat takes the height of the window for its own; here it has a share of it
+  const fit = () => {
+    viewer.set_3d_pane_size(at("scene").clientWidth, at("scene").clientHeight);
+    if (!turned) look();
+  };
+  window.onload = fit;
+  new ResizeObserver(fit).observe(at("scene"));
+  window.addEventListener("resize", fit);
+  requestAnimationFrame(fit);
+
+  // ------------------------------------------------------------------ light and dark
+  const ROOM = {
+    light: { top: [0.8, 0.87, 0.94], bottom: [0.97, 0.98, 0.99], floor: 0xe4e9ef, glow: 0x565a60, line: 0xaab4c2, rim: 0x222222 },
+    dark: { top: [0.12, 0.15, 0.19], bottom: [0.26, 0.3, 0.35], floor: 0x424c58, glow: 0x101418, line: 0x5a6673, rim: 0xd8dee6 },
+  };
+  let dark = about.theme === "dark" || (about.theme !== "light" && matchMedia("(prefers-color-scheme: dark)").matches);
+  const paint = () => {
+    document.documentElement.classList.toggle("dark", dark);
+    at("theme").textContent = dark ? "Light" : "Dark";
+    const room = ROOM[dark ? "dark" : "light"];
+    viewer.set_property(["Background"], "top_color", room.top);
+    viewer.set_property(["Background"], "bottom_color", room.bottom);
+    viewer.show_background();
+    if (exists("meshcat", "ground")) {
+      for (const [name, part] of Object.entries(viewer.scene_tree.find(["meshcat", "ground"]).children)) {
+        part.object.traverse((mesh) => {
+          if (!mesh.material) return;
+          mesh.material.color.setHex(name === "slab" ? room.floor : room.line);
+          if (mesh.material.emissive) mesh.material.emissive.setHex(room.glow);
+        });
+      }
+    }
+    for (const run of runs) {
+      for (const part of [["rim"], ["plumb", "line"]]) {
+        if (exists("meshcat", run.node, "centre_of_mass", ...part)) {
+          node("meshcat", run.node, "centre_of_mass", ...part).traverse((mesh) => mesh.material && mesh.material.color.setHex(room.rim));
+        }
+      }
+    }
+    viewer.set_dirty();
+  };
+  at("theme").addEventListener("click", () => { dark = !dark; paint(); });
+  paint();
+
+  // ------------------------------------------------------------------ time
+  const slider = at("slider"), play = at("play"), speed = at("speed");
   const animator = () => viewer.animator;
-  const duration = () => animator().duration || timeline.duration || 0;
-
-  const strip = at("phases");
-  phases.forEach((phase, k) => {
-    const end = k + 1 < phases.length ? phases[k + 1].start : timeline.duration;
-    const part = document.createElement("i");
-    part.className = phase.phase + (k > 0 && phases[k - 1].step !== phase.step ? " new" : "");
-    part.style.width = (100 * (end - phase.start)) / (timeline.duration || 1) + "%";
-    strip.append(part);
-  });
-
-  const seek = (time) => {
+  const duration = () => animator().duration || about.duration || 0;
+  const now = () => Math.min(animator().time, duration());
+  const seek = (wanted) => {
+    const time = Math.min(Math.max(wanted, 0), duration());
     animator().pause();
     animator().seek(time);
     animator().display_progress(time);
   };
   const toggle = () => (animator().playing ? animator().pause() : animator().play());
+  const pace = () => { animator().mixer.timeScale = Number(speed.value); };
   play.addEventListener("click", toggle);
   slider.addEventListener("input", () => seek(Number(slider.value)));
-  at("speed").addEventListener("change", (event) => { animator().mixer.timeScale = Number(event.target.value); });
+  speed.addEventListener("change", pace);
+
+  const events = [...new Set([0, ...runs.flatMap((run) => run.events.map((event) => event.t)), about.duration || 0])].sort((a, b) => a - b);
+  const KEYS = {
+    " ": toggle,
+    ArrowRight: (event) => seek(event.shiftKey ? events.find((t) => t > now() + 1e-3) ?? duration() : now() + 1 / 60),
+    ArrowLeft: (event) => seek(event.shiftKey ? events.findLast((t) => t < now() - 1e-3) ?? 0 : now() - 1 / 60),
+    Home: () => seek(0),
+    End: () => seek(duration()),
+    "+": () => { speed.selectedIndex = Math.min(speed.selectedIndex + 1, speed.length - 1); pace(); },
+    "-": () => { speed.selectedIndex = Math.max(speed.selectedIndex - 1, 0); pace(); },
+    p: () => at("fold").click(),
+    d: () => at("theme").click(),
+  };
   document.addEventListener("keydown", (event) => {
-    if (event.target.closest("button, select, input, .dg")) return;
-    if (event.key === " ") { event.preventDefault(); toggle(); }
-    if (event.key === "ArrowRight") seek(Math.min(duration(), animator().time + 1 / 30));
-    if (event.key === "ArrowLeft") seek(Math.max(0, animator().time - 1 / 30));
+    if (event.ctrlKey || event.metaKey || event.altKey || !(event.key in KEYS)) return;
+    const own = event.target.closest("button, select, input, .dg"); // what has a use for the key itself
+    if (own && (own.matches("select, .dg") || (event.key === " " && own !== slider))) return;
+    event.preventDefault();
+    KEYS[event.key](event);
   });
 
-  // What MeshCat has no command for: one light casts shadows, the markers do not
-  const node = (...path) => viewer.scene_tree.find(path).object;
-  const shade = () => {
-    node("Lights", "SpotLight", "<object>").castShadow = true;
-    for (const name of ["contact", "centre_of_mass"]) {
-      node("meshcat", name).traverse((part) => { part.castShadow = false; part.receiveShadow = false; });
+  // ------------------------------------------------------------------ what is shown
+  const PARTS = {
+    force: (run) => [[run.node, "contact", "left", "force"], [run.node, "contact", "right", "force"]],
+    fri: (run) => [[run.node, "contact", "left", "fri"], [run.node, "contact", "right", "fri"]],
+    com: (run) => [[run.node, "centre_of_mass"]],
+    trace: (run) => [[run.node, "trace"]],
+    ghost: () => [["ghost"]],
+    second: () => [["second"]],
+  };
+  const boxes = [...document.querySelectorAll("#toggles input")];
+  const choose = () => {
+    for (const box of boxes) {
+      for (const path of runs.flatMap(PARTS[box.dataset.part])) {
+        if (exists("meshcat", ...path)) node("meshcat", ...path).visible = box.checked;
+      }
     }
     viewer.set_dirty();
   };
+  for (const box of boxes) {
+    const part = box.dataset.part;
+    if (part === "ghost" || part === "second") box.parentElement.hidden = !(part === "ghost" ? about.ghost : runs.length > 1);
+    box.addEventListener("change", choose);
+  }
+  at("toggles").hidden = !runs.length;
 
-  const phaseAt = (time) => phases.reduce((found, phase) => (phase.start <= time + 1e-9 ? phase : found), phases[0]);
-  let shown = null, shaded = false;
-  const refresh = () => {
+  // The trace grows with time, and the step before stays.
+  const uncover = (time) => {
+    for (const run of runs) {
+      const reached = run.traces.filter((trace) => trace.start <= time).length;
+      run.traces.forEach((trace, k) => {
+        if (!exists("meshcat", run.node, "trace", "step_" + trace.step)) return;
+        const ribbon = node("meshcat", run.node, "trace", "step_" + trace.step);
+        ribbon.visible = k < reached && k >= reached - 2;
+        const share = Math.min((time - trace.start) / (trace.end - trace.start), 1);
+        if (ribbon.visible) ribbon.traverse((mesh) => mesh.geometry && mesh.geometry.setDrawRange(0, 6 * Math.ceil(share * trace.pieces)));
+      });
+    }
+  };
+
+  // What MeshCat has no command for: one light casts shadows, markers and ghosts do not; a ghost gives way to the robot
+  // where both are in one place, and markers are drawn over both
+  const shade = () => {
+    node("Lights", "SpotLight", "<object>").castShadow = true;
+    const each = (paths, change) => {
+      for (const path of paths.filter((one) => exists("meshcat", ...one))) node("meshcat", ...path).traverse(change);
+    };
+    const ghosts = [...(about.ghost ? [["ghost"]] : []), ...(about.overlaid ? [["second"]] : [])];
+    const marks = runs.flatMap((run) => ["contact", "centre_of_mass", "trace"].map((part) => [run.node, part]));
+    each([...ghosts, ...marks], (part) => { part.castShadow = false; part.receiveShadow = false; });
+    each(ghosts, ({ material }) => {
+      if (material) Object.assign(material, { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8, depthWrite: false });
+    });
+    each(marks, (part) => { part.renderOrder = part.parent.name === "rim" ? 2 : 3; });
+    viewer.set_dirty();
+  };
+
+  // ------------------------------------------------------------------ captions and plots
+  const names = runs.map((run, k) => (runs.length > 1 ? "AB"[k] + ", " + run.robot + ": " : ""));
+  const captions = runs.map((run, k) => drawCaption(at("captions"), run, names[k]));
+  drawStrips(at("strips"), { ...about, runs }, seek);
+
+  const span = at("window");
+  const shownTimes = () => {
+    const length = Number(span.value), whole = about.duration || 1;
+    if (!length || length >= whole) return [0, whole];
+    const start = Math.min(Math.floor(now() / length) * length, whole - length);
+    return [Math.max(0, start), Math.max(0, start) + length];
+  };
+  const plotted = runs.filter((run) => run.samples).map((run) => ({ ...run, data: unpack(run.samples) }));
+  const hooks = { seek, time: now, window: shownTimes, second: "B" };
+  const plots = [];
+  if (plotted.length) for (let k = 0; k < 4; k++) plots.push(new Plot(at("plots"), about, plotted, k, hooks));
+  document.body.classList.toggle("bare", !plots.length);
+  if (about.duration > 8) span.value = "4";
+  span.addEventListener("change", () => plots.forEach((plot) => plot.draw()));
+  at("fold").addEventListener("click", () => {
+    const folded = at("plots").classList.toggle("folded");
+    at("fold").setAttribute("aria-pressed", String(!folded));
+  });
+
+  // ------------------------------------------------------------------ every frame
+  let ready = false, last = -1, said = 0;
+  const refresh = (clock) => {
     requestAnimationFrame(refresh);
-    if (!shaded && duration() > 0 && animator().duration > 0) { shade(); shaded = true; }
-    const time = Math.min(animator().time, duration());
+    if (!ready && animator().duration > 0) { ready = true; shade(); paint(); choose(); pace(); last = -1; }
+    const time = now(), label = animator().playing ? "Pause" : "Play";
+    if (play.textContent !== label) play.textContent = label;
+    if (time === last) return;
+    last = time;
     if (slider.max !== String(duration())) slider.max = String(duration());
     slider.value = String(time);
-    play.textContent = animator().playing ? "Pause" : "Play";
     at("clock").textContent = time.toFixed(2) + " / " + duration().toFixed(2) + " s";
-    const phase = phases.length ? phaseAt(time) : null;
-    if (phase === shown) return;
-    shown = phase;
-    const badge = document.createElement("b");
-    badge.className = phase.phase;
-    badge.textContent = phase.phase;
-    at("phase").replaceChildren("step " + phase.step + ", " + phase.stance + " foot stands ", badge);
+    for (const tell of captions) tell(time);
+    uncover(time);
+    viewer.set_dirty();
+    const say = !animator().playing || clock - said > 80; // digits that can be read
+    if (say) said = clock;
+    for (const plot of plots) plot.follow(time, say);
   };
-  refresh();
+  requestAnimationFrame(refresh);
+  window.page = { seek, now, duration, toggle, look: () => { turned = false; look(); } };
 })();
