@@ -14,7 +14,7 @@ from frontal_biped.design import ConstraintReport, GaitSpecification, check_cons
 from frontal_biped.gait import Gait, load_gait
 from frontal_biped.model import FrontalBiped, load_robot
 from frontal_biped.model.catalogue import models_dir
-from frontal_biped.robustness import INSTANTS, PERIOD, PUSH_DURATION, RECOVERED
+from frontal_biped.push_recovery import INSTANTS, PERIOD, PUSH_DURATION, RECOVERED
 from frontal_biped.simulation import Disturbances
 from frontal_biped.simulation.disturbances import Push
 from frontal_biped.studio.drawing import Clip, Drawing, clip_of, drawing_of
