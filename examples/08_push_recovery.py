@@ -6,9 +6,9 @@ the FRI target inside the sole, at each impact and reversal; the step law choose
 You should see:
 
     mass 60.7 kg, J = 405.6 N^2 m s, pushed outwards just after the first impact
-      10 N s, adaptive  walks on; speed error after 4 steps 23 %
+      10 N s, adaptive  walks on; speed error after 4 steps 16 %
       10 N s, ankle     walks on; speed error after 4 steps 0 %
-      20 N s, adaptive  falls: the swing foot landed on its edge
+      20 N s, adaptive  walks on; speed error after 4 steps 30 %
       20 N s, ankle     walks on; speed error after 4 steps 0 %
       24 N s, adaptive  falls: the swing foot touched the ground before the reversal
       24 N s, ankle     falls: the swing foot touched the ground before the reversal
