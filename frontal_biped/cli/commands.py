@@ -111,7 +111,10 @@ def run_analyze(arguments: argparse.Namespace) -> int:
     with Progress("analysing:") as progress:
         progress.update("orbit, reversal and certificate")
         analysis = analyze(biped, gait)
-        card = robustness_card(biped, gait, on_progress=progress.update) if arguments.robustness else None
+        card = None
+        if arguments.robustness:
+            with worker_processes(arguments.jobs) if arguments.jobs > 1 else nullcontext() as executor:
+                card = robustness_card(biped, gait, executor=executor, on_progress=progress.update)
     table, text = analysis.as_dict(), str(analysis)
     if card is not None:
         table["robustness"] = card.as_dict()

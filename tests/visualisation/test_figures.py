@@ -141,8 +141,7 @@ def test_robustness_figures_are_labelled():
         basins={"adaptive": Basin(0.6, 1.4, "", "")},
         sensitivity_norm={"adaptive": 1.7},
         barrier_margin=1.0,
-        sampled_speeds=tuple(speeds),
-        sampled_maps={"adaptive": tuple(1.0 + 0.8 * (speeds - 1.0))},
+        sampled_maps={"adaptive": tuple((x, 1.0 + 0.8 * (x - 1.0)) for x in speeds)},
         push_stabiliser="ankle",
         pushes=(),
     )
