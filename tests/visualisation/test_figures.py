@@ -124,7 +124,8 @@ def test_svgs_share_no_ids_and_are_reproducible(biped, orbit, drawn):
         assert set(re.findall(r'(?:href="#|url\(#)([^")]+)', text)) <= ids
         ElementTree.fromstring(text)
         assert not re.findall(r'(?:href|src)="https?:', text)
-    assert figures.figure_svg(figures.torques(biped, orbit)) == texts["torques"]
+    once, again = (figures.figure_svg(figures.torques(biped, orbit)) for _ in range(2))
+    assert once == again
 
 
 def test_files_are_written_whole(biped, gait, walk, tmp_path):
