@@ -29,6 +29,8 @@ for arguments in (
     ["analyze", "gait.json"],
     ["simulate", "gait.json", "--steps", "2", "-o", "run.npz"],
     ["view", "run.npz", "--html", "page.html"],
+    ["view", "run.npz", "gait.json", "--ghost", "--html", "two.html"],
+    ["export", "run.npz", "-o", "run.csv", "--rate", "200"],
     ["plot", "run.npz", "-o", "figures"],
     ["design", "--spec", "robust", "-o", "robust.json"],
     ["design", "--robot", "talos_full", "-o", "talos_full.json"],
