@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from frontal_biped.design import DesignResult, GaitSpecification, design_gait, read_specification
     from frontal_biped.gait import Gait, load_gait, save_gait
     from frontal_biped.model import FrontalBiped, load_robot, robot_names
+    from frontal_biped.scenarios import Scenario, TrialResult, load_scenario, run_scenario, run_trials
     from frontal_biped.simulation import Trajectory, load_trajectory, save_trajectory
     from frontal_biped.walking import simulate
 
@@ -31,15 +32,20 @@ __all__ = [
     "Gait",
     "GaitAnalysis",
     "GaitSpecification",
+    "Scenario",
     "Trajectory",
+    "TrialResult",
     "__version__",
     "analyze",
     "design_gait",
     "load_gait",
     "load_robot",
+    "load_scenario",
     "load_trajectory",
     "read_specification",
     "robot_names",
+    "run_scenario",
+    "run_trials",
     "save_gait",
     "save_trajectory",
     "simulate",
@@ -51,14 +57,19 @@ _HOME = {
     "Gait": "gait",
     "GaitAnalysis": "analysis",
     "GaitSpecification": "design",
+    "Scenario": "scenarios",
     "Trajectory": "simulation",
+    "TrialResult": "scenarios",
     "analyze": "analysis",
     "design_gait": "design",
     "load_gait": "gait",
     "load_robot": "model",
+    "load_scenario": "scenarios",
     "load_trajectory": "simulation",
     "read_specification": "design",
     "robot_names": "model",
+    "run_scenario": "scenarios",
+    "run_trials": "scenarios",
     "save_gait": "gait",
     "save_trajectory": "simulation",
     "simulate": "walking",

@@ -55,3 +55,7 @@ class LibraryError(FrontalBipedError):
 
 class MissingExtraError(FrontalBipedError):
     """An optional dependency is needed; the message names the extra that brings it."""
+
+
+class ScenarioError(FrontalBipedError):
+    """A scenario with an unknown key, a wrong type, a value out of range, or parts that do not go together."""

@@ -65,10 +65,16 @@ def falling_energy(biped: FrontalBiped, phase: Phase, reversal: float) -> PhaseE
     return phase_energy(biped, phase, reversal, phase.beta_end, (*breaks, *above, middle))
 
 
-def rising_energy(biped: FrontalBiped, phase: Phase, start: float | None = None) -> PhaseEnergy:
-    """Energy of a rising phase from its start up to the barrier, or as far as it is followed."""
+def rising_energy(biped: FrontalBiped, phase: Phase, dbeta: float = np.inf) -> PhaseEnergy:
+    """Energy of a rising phase from its start up to the barrier, or as far as it is followed.
+
+    Args:
+        biped: the robot.
+        phase: rising phase.
+        dbeta: speed at its start [rad/s]; not far beyond the reversal of this is looked.
+    """
     breaks, end = rising_breaks(phase)
-    return phase_energy(biped, phase, phase.beta_start if start is None else start, end, breaks, to_barrier=True)
+    return phase_energy(biped, phase, phase.beta_start, end, breaks, to_barrier=True, dbeta=dbeta)
 
 
 def land_on_constraints(biped: FrontalBiped, falling: PhaseEnergy) -> tuple[Landing, float, Landed]:

@@ -9,12 +9,12 @@ constraints change form. A rising robot reverses where R reaches zeta+.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial import Chebyshev
+from numpy.polynomial.chebyshev import chebint, chebval
 from scipy.fft import dct
 from scipy.optimize import brentq
 
@@ -52,8 +52,35 @@ class Panel:
     end: float
     motion: ConstrainedMotion
     restricted: RestrictedDynamics
-    growth: Chebyshev
-    spent: Chebyshev
+    growth: "Series"
+    spent: "Series"
+
+
+@dataclass(frozen=True)
+class Series:
+    """A Chebyshev series on an interval; NumPy's class spends more time on its domain than on the sum.
+
+    Attributes:
+        coefficients: (k,).
+        middle: of the interval.
+        half: half its length.
+    """
+
+    coefficients: FloatArray
+    middle: float
+    half: float
+
+    def __call__(self, x: FloatArray | float) -> FloatArray:
+        """Its values, in the shape of x."""
+        return np.asarray(chebval((x - self.middle) / self.half, self.coefficients), dtype=float)
+
+    def __add__(self, constant: float) -> "Series":
+        moved = self.coefficients.copy()
+        moved[0] += constant
+        return replace(self, coefficients=moved)
+
+    def __neg__(self) -> "Series":
+        return replace(self, coefficients=-self.coefficients)
 
 
 @dataclass(frozen=True)
@@ -165,7 +192,13 @@ class PhaseEnergy:
 
 
 def phase_energy(
-    biped: FrontalBiped, phase: Phase, start: float, end: float, breaks: Sequence[float] = (), to_barrier: bool = False
+    biped: FrontalBiped,
+    phase: Phase,
+    start: float,
+    end: float,
+    breaks: Sequence[float] = (),
+    to_barrier: bool = False,
+    dbeta: float = np.inf,
 ) -> PhaseEnergy:
     """Integrate Gamma and R of a phase from ``start`` to ``end``.
 
@@ -176,6 +209,7 @@ def phase_energy(
         end: beta at the end [rad].
         breaks: beta at which panels end besides [rad].
         to_barrier: stop where the drive vanishes: the top of the energy barrier.
+        dbeta: speed at the start [rad/s]; the panel on which it reverses is the last one.
 
     Raises:
         ReversalError: I_P is not positive at the start.
@@ -208,7 +242,9 @@ def phase_energy(
         gamma, energy = float(panel.growth(reached)), float(panel.spent(reached))
         if reached != b:
             return _finish(panels, why)
-    return PhaseEnergy(tuple(panels), True, False, "that is as far as was looked")
+        if energy >= 0.5 * (panels[0].restricted.I_P[0] * dbeta) ** 2:
+            break
+    return PhaseEnergy(tuple(panels), panels[-1].end == end, False, "that is as far as was looked")
 
 
 def _panel(
@@ -259,9 +295,18 @@ def _last_good(biped: FrontalBiped, phase: Phase, a: float, b: float, to_barrier
     return good
 
 
-def _integral(samples: FloatArray, a: float, b: float) -> Chebyshev:
+def _integral(samples: FloatArray, a: float, b: float) -> Series:
     """Integral from a of the interpolant of samples given in the order from a to b."""
-    ordered = samples[::-1] if b > a else samples  # DCT order: from the upper end of the domain down
-    coefficients = dct(ordered, type=1) / DEGREE
+    half = 0.5 * abs(b - a)
+    return Series(half * (_UPWARDS if b > a else _DOWNWARDS) @ samples, 0.5 * (a + b), half)
+
+
+def _integration_matrix(sense: int) -> FloatArray:
+    """(DEGREE + 2, DEGREE + 1) from samples in the order of the motion to the series of their integral on [-1, 1]."""
+    # DCT order: from the upper end of the domain down
+    coefficients = dct(np.eye(DEGREE + 1)[::-sense], type=1, axis=0) / DEGREE
     coefficients[[0, -1]] *= 0.5
-    return Chebyshev(coefficients, domain=sorted((a, b))).integ(lbnd=a)
+    return np.asarray(chebint(coefficients, lbnd=-sense, axis=0), dtype=float)
+
+
+_UPWARDS, _DOWNWARDS = _integration_matrix(+1), _integration_matrix(-1)

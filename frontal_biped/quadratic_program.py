@@ -17,6 +17,10 @@ UNBOUNDED = 1e20  # ProxQP's infinity
 DEFAULT_ACCURACY = 1e-9  # ProxQP's own default is too loose to rest a bound on
 DEFAULT_MAX_ITERATIONS = 200
 INFEASIBILITY = 1e-12  # tolerance of the infeasibility certificates
+_START = {
+    True: proxqp.InitialGuess.WARM_START_WITH_PREVIOUS_RESULT,
+    False: proxqp.InitialGuess.EQUALITY_CONSTRAINED_INITIAL_GUESS,
+}
 
 
 class QuadraticProgram(NamedTuple):
@@ -76,18 +80,24 @@ class ProxQpSolver:
         accuracy: absolute tolerance on residuals.
         max_iterations: of the outer loop; ProxQP is slow to give up on an infeasible problem.
         retry: set up afresh and try once more when the accuracy is not reached?
+        penalty_parameter: ProxQP's mu of the inequalities at the start of a solve; None: its default of 0.1.
     """
 
     def __init__(
-        self, accuracy: float = DEFAULT_ACCURACY, max_iterations: int = DEFAULT_MAX_ITERATIONS, retry: bool = True
+        self,
+        accuracy: float = DEFAULT_ACCURACY,
+        max_iterations: int = DEFAULT_MAX_ITERATIONS,
+        retry: bool = True,
+        penalty_parameter: float | None = None,
     ) -> None:
         self.accuracy = accuracy
         self.retry = retry
+        self.penalty_parameter = penalty_parameter
         self.max_iterations = max_iterations
         self._solver: Any = None
         self._shape: tuple[int, int, int] | None = None
 
-    def solve(self, qp: QuadraticProgram, guess: FloatArray | None = None) -> QpSolution:
+    def solve(self, qp: QuadraticProgram, guess: FloatArray | None = None, warm: bool = True) -> QpSolution:
         """Solve; a problem of the same shape as the last one starts from that one's answer.
 
         A warm-started solver can stall on penalties left over from its last problem, so one that does not reach its
@@ -96,6 +106,7 @@ class ProxQpSolver:
         Args:
             qp: the problem.
             guess: (n,) a primal point to start from instead, with zero multipliers.
+            warm: start from the last answer? Otherwise from the minimum under the equalities alone.
         """
         shape = (len(qp.g), len(qp.b), len(qp.l))
         fresh = self._solver is None or shape != self._shape
@@ -103,14 +114,15 @@ class ProxQpSolver:
             self._set_up(qp, shape)
         solver = self._solver
         if not fresh:
-            solver.settings.initial_guess = proxqp.InitialGuess.WARM_START_WITH_PREVIOUS_RESULT
+            solver.settings.initial_guess = _START[warm]
             solver.update(*qp)
         if guess is None:
             solver.solve()
         else:
             solver.settings.initial_guess = proxqp.InitialGuess.WARM_START
             solver.solve(guess, np.zeros(shape[1]), np.zeros(shape[2]))
-        if self.retry and solver.results.info.status != proxqp.PROXQP_SOLVED:
+        started_warm = not fresh and (warm or guess is not None)
+        if self.retry and started_warm and solver.results.info.status != proxqp.PROXQP_SOLVED:
             solver = self._set_up(qp, shape)
             solver.solve()
         results = solver.results
@@ -134,7 +146,9 @@ class ProxQpSolver:
         # the default of 1e-4 calls feasible programs infeasible
         solver.settings.eps_primal_inf = INFEASIBILITY
         solver.settings.eps_dual_inf = INFEASIBILITY
-        solver.settings.initial_guess = proxqp.InitialGuess.EQUALITY_CONSTRAINED_INITIAL_GUESS
+        if self.penalty_parameter is not None:
+            solver.settings.default_mu_in = self.penalty_parameter
+        solver.settings.initial_guess = _START[False]
         solver.init(*qp)
         self._solver, self._shape = solver, shape
         return solver

@@ -10,34 +10,32 @@ from dataclasses import dataclass
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.contact_margins import ContactMargins, Margin
 from frontal_biped.control.transitions import Stabiliser
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait import Gait
 from frontal_biped.half_steps import Landed, falling_energy, land_on_constraints, rising_energy
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.phase_energy import PhaseEnergy
-from frontal_biped.poincare import Landing
 from frontal_biped.virtual_constraints.phase import Phase
-from frontal_biped.zero_dynamics import F_H, F_V, TORQUES
 
 RETURNED = 0.01
 """Relative speed error that counts as returned."""
 
-STEPS = 20
+SAME_POSE = 1e-6
+"""[rad] a landing this near to the planned one is followed by the map of the speed alone."""
+
+PATIENCE = 3
+"""Steps on end by which the speed may go away from the gait's, on one side of it."""
+
+STEPS = 40
 """Steps after which a slow return is given up."""
 
+FIRST_PROBE, WIDENING = 0.02, 1.4
+"""Search of a basin: relative speed error tried first on either side, and the factor from one to the next."""
 
-@dataclass(frozen=True)
-class Margin:
-    """Room left to one limit over a step.
-
-    Attributes:
-        name: of the limit.
-        value: room, positive inside, in units of a typical size of the quantity [-].
-    """
-
-    name: str
-    value: float
+FINEST, FINE = 0.004, 0.05
+"""Accuracy of an edge of a basin: relative speed error, or share of it where that is more."""
 
 
 @dataclass(frozen=True)
@@ -94,10 +92,7 @@ class RestrictedMap:
 
     def __init__(self, biped: FrontalBiped, gait: Gait, stabiliser: Stabiliser) -> None:
         self.biped, self.gait, self.stabiliser = biped, gait, stabiliser
-        spec = gait.specification
-        self.friction = float(spec.get("friction", 0.6))
-        self.min_normal_force = float(spec.get("min_normal_force", 0.1))
-        self.max_torque: FloatArray = np.asarray(spec.get("max_torque", biped.max_torque), dtype=float)
+        self.limits = ContactMargins(biped, gait)
         self._last: tuple[Phase, PhaseEnergy] | None = None
 
     def start(self, speed_ratio: float = 1.0) -> Landed:
@@ -120,13 +115,8 @@ class RestrictedMap:
         reversal = up.reversal(start.dbeta)
         falling = self.stabiliser.falling(rising, reversal)
         down = falling_energy(self.biped, falling, reversal)
-        landing, dbeta, landed = land_on_constraints(self.biped, down)
-        zeta = 0.5 * (up.start_inertia * start.dbeta) ** 2
-        margins = [
-            *self._along("rising", up, zeta, reversal, rising.beta_start),
-            *self._along("falling", down, 0.0, reversal, falling.beta_end),
-            *self._at_impact(landing, dbeta),
-        ]
+        landed = land_on_constraints(self.biped, down)[2]
+        margins = [*self.limits.rising(up, start.dbeta, reversal), *self.limits.falling(down, reversal)]
         q_minus = landed.q[::-1]
         width = float(self.biped.joint_positions(q_minus)[3, 0])
         return RestrictedStep(start, reversal, rising, falling, landed, width, tuple(margins))
@@ -157,9 +147,16 @@ class RestrictedMap:
                 following[i] = self.speed_ratio(step.landed)
         return following
 
-    def follow(self, speed_ratio: float, steps: int = STEPS) -> Return:
-        """Iterate the map from a perturbed post-impact speed until it returns, fails, or the steps are used up."""
+    def follow(self, speed_ratio: float, steps: int = STEPS, known: "Known | None" = None) -> Return:
+        """Iterate the map from a perturbed post-impact speed until it returns, fails, or the steps are used up.
+
+        Args:
+            speed_ratio: relative to the gait's [-].
+            steps: after which to give up.
+            known: speeds that are known to return; the iteration stops among them, and adds their steps.
+        """
         landed, speeds = self.start(speed_ratio), [speed_ratio]
+        away = 0
         for _ in range(steps):
             try:
                 step = self.step(landed)
@@ -170,83 +167,81 @@ class RestrictedMap:
             landed = step.landed
             speeds.append(self.speed_ratio(landed))
             # both the speed and the pose, for a step law changes the pose
-            same_pose = float(np.max(np.abs(landed.q - self.start().q))) < RETURNED
-            if abs(speeds[-1] - 1.0) < RETURNED and same_pose:
+            pose_error = float(np.max(np.abs(landed.q - self.start().q)))
+            if abs(speeds[-1] - 1.0) < RETURNED and pose_error < RETURNED:
                 return Return(True, tuple(speeds), "")
+            if known is not None and known.low <= speeds[-1] <= known.high and pose_error < SAME_POSE:
+                if len(speeds) - 1 + known.steps > steps:
+                    break
+                return Return(True, (*speeds, *(1.0,) * known.steps), "")
+            before, after = speeds[-2] - 1.0, speeds[-1] - 1.0
+            away = away + 1 if after * before > 0.0 and abs(after) >= abs(before) else 0
+            if away == PATIENCE:
+                return Return(False, tuple(speeds), "the speed goes away from the gait's")
         return Return(False, tuple(speeds), f"no return within {steps} steps")
 
-    def basin(self, low: float = 0.05, high: float = 3.0, points: int = 16, refine: int = 4) -> "Basin":
+    def basin(self, low: float = 0.05, high: float = 3.0) -> "Basin":
         """The interval of post-impact speeds around the gait's from which it returns.
 
-        Searched outwards from the gait on a grid of relative speeds, its edges refined by bisection.
-        """
-        down = self._edge(np.linspace(1.0, low, points + 1)[1:], refine)
-        up = self._edge(np.linspace(1.0, high, points + 1)[1:], refine)
-        return Basin(down[0], up[0], down[1], up[1])
+        Searched outwards from the gait, in steps that widen with the distance, the edges refined by bisection. A speed
+        whose successors come among those already found to return is taken to return with them.
 
-    def _edge(self, ratios: FloatArray, refine: int) -> tuple[float, str]:
-        good, why = 1.0, "nothing up to the end of the search"
-        for ratio in ratios:
-            found = self.follow(float(ratio))
+        Args:
+            low: smallest relative speed tried [-].
+            high: largest [-].
+        """
+        known = Known(1.0 - RETURNED, 1.0 + RETURNED, 0)
+        edges: dict[int, tuple[float, str]] = {}
+        error = FIRST_PROBE
+        while len(edges) < 2:
+            for sense, end in ((-1, 1.0 - low), (1, high - 1.0)):
+                if sense in edges:
+                    continue
+                found = self.follow(1.0 + sense * min(error, end), known=known)
+                if not found.returned:
+                    edges[sense] = self._edge(min(error, end), sense, found.limited_by, known)
+                    continue
+                known = known.widened(sense * min(error, end), len(found.speeds) - 1)
+                if error >= end:
+                    edges[sense] = (end, "nothing up to the end of the search")
+            error *= WIDENING
+        return Basin(1.0 - edges[-1][0], 1.0 + edges[1][0], edges[-1][1], edges[1][1])
+
+    def _edge(self, bad: float, sense: int, why: str, known: "Known") -> tuple[float, str]:
+        """Largest relative error that returns, and what is in the way of more."""
+        good = known.error(sense)
+        while bad - good > max(FINEST, FINE * good):
+            middle = 0.5 * (good + bad)
+            found = self.follow(1.0 + sense * middle, known=known)
             if found.returned:
-                good = float(ratio)
-                continue
-            bad, why = float(ratio), found.limited_by
-            for _ in range(refine):
-                middle = 0.5 * (good + bad)
-                found = self.follow(middle)
-                if found.returned:
-                    good = middle
-                else:
-                    bad, why = middle, found.limited_by
-            break
+                good, known = middle, known.widened(sense * middle, len(found.speeds) - 1)
+            else:
+                bad, why = middle, found.limited_by
         return good, why
 
-    def _along(self, name: str, energy: PhaseEnergy, zeta: float, reversal: float, foot_end: float) -> list[Margin]:
-        """Contact constraints along a phase; ``foot_end`` is where the swing foot is on the ground [rad]."""
-        outer, inner = self.biped.sole
-        worst = dict.fromkeys(("friction", "normal force", "FRI in the sole", "torque", "swing foot clearance"), np.inf)
-        for panel in energy.panels:
-            beta = panel.motion.q[:, 0]
-            inside = beta <= reversal + 1e-12
-            if not np.any(inside):
-                break
-            value = np.exp(panel.growth(beta)) * (zeta - panel.spent(beta))
-            dynamics = panel.restricted
-            speed_squared = np.maximum(2.0 * value, 0.0) / dynamics.I_P**2
-            A, B, G = dynamics.projected
-            forces = (A * dynamics.acceleration(speed_squared) + B * speed_squared + G)[:, inside]
-            p = dynamics.p_fri[inside]
-            share = (beta[inside] - foot_end) / (reversal - foot_end)
-            lifted = share > 1e-3
-            found = {
-                "friction": self.friction - np.abs(forces[F_H] / forces[F_V]),
-                "normal force": forces[F_V] / self.biped.weight - self.min_normal_force,
-                "FRI in the sole": np.minimum(p - outer, inner - p) / (inner - outer),
-                "torque": np.min(1.0 - np.abs(forces[TORQUES]) / self.max_torque[:, None], axis=0),
-                "swing foot clearance": np.array(
-                    [
-                        self.biped.swing_sole(q)[:, 1].min() / (0.01 * s)
-                        for q, s in zip(panel.motion.q[inside][lifted], share[lifted], strict=True)
-                    ]
-                ),
-            }
-            for key, values in found.items():
-                worst[key] = min(worst[key], float(np.min(values, initial=np.inf)))
-        return [Margin(f"{key}, {name}", value) for key, value in worst.items()]
 
-    def _at_impact(self, landing: Landing, dbeta: float) -> list[Margin]:
-        outer, inner = self.biped.sole
-        L = landing.impulse * dbeta
-        lever = float(L[2] / L[1])
-        return [
-            Margin("touchdown speed", float(np.min(-landing.touchdown * dbeta)) / 0.05),
-            Margin("normal impulse", float(L[1]) / (0.1 * self.biped.mass)),
-            Margin("impulse in the friction cone", self.friction - abs(float(L[0] / L[1]))),
-            # the landing foot is mirrored: its inner end points towards -h
-            Margin("impulse in the sole", min(lever + inner, -outer - lever) / (inner - outer)),
-            Margin("lift-off of the old stance foot", float(np.min(landing.lift_off * dbeta)) / 0.05),
-        ]
+@dataclass(frozen=True)
+class Known:
+    """Speeds known to return.
+
+    Attributes:
+        low: smallest, relative to the gait's [-].
+        high: largest [-].
+        steps: most steps that any of them takes.
+    """
+
+    low: float
+    high: float
+    steps: int
+
+    def error(self, sense: int) -> float:
+        """How far the interval reaches below (-1) or above (+1) the gait [-]."""
+        return 1.0 - self.low if sense < 0 else self.high - 1.0
+
+    def widened(self, error: float, steps: int) -> "Known":
+        """With a speed error added that returns in so many steps."""
+        low, high = min(self.low, 1.0 + error), max(self.high, 1.0 + error)
+        return Known(low, high, max(self.steps, steps))
 
 
 @dataclass(frozen=True)

@@ -81,9 +81,9 @@ def reversal_sensitivity(
     energy = rising_energy(biped, AdaptiveTransitions(biped, gait).planned_rising)
     runs = []
     for name in stabilisers:
-        chosen = make_stabiliser(name, biped, gait)
-        if isinstance(chosen, AdaptiveTransitions):
-            chosen = AdaptiveTransitions(biped, gait, anticipate=False)  # or a late reversal would be moved
+        # plain re-anchoring: looking ahead would move the reversal that is asked for
+        plain = name == "adaptive"
+        chosen = AdaptiveTransitions(biped, gait, anticipate=False) if plain else make_stabiliser(name, biped, gait)
         for shift in shifts:
             reversal = gait.beta_reversal + shift
             if not gait.rising.beta_start < reversal < energy.end:

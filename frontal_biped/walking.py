@@ -5,11 +5,14 @@ from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
-from frontal_biped.control.controller import ControllerSettings, QpController
+from frontal_biped.control.controller import QpController
+from frontal_biped.control.sampling import sampled_frequency as sampled_frequency
+from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers import make_stabiliser
 from frontal_biped.control.transitions import Stabiliser
 from frontal_biped.gait import Gait, gait_to_dict
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.disturbances import Disturbances
 from frontal_biped.simulation.settings import SimulationSettings
@@ -27,6 +30,7 @@ def simulate(
     stance: Stance = Stance.LEFT,
     stabiliser: Stabiliser | str = "adaptive",
     disturbances: Disturbances | None = None,
+    errors: ModelErrors | None = None,
     controller_settings: ControllerSettings | None = None,
     simulation_settings: SimulationSettings | None = None,
     on_step: Callable[[int], None] | None = None,
@@ -41,7 +45,8 @@ def simulate(
         speed_error: relative error of the first post-impact speed, all joints alike, so that the start stays on Z.
         stance: first stance foot.
         stabiliser: a stabiliser, or one of `STABILISERS` by name.
-        disturbances: noise and pushes; they need a period.
+        disturbances: noise, pushes and more; they need a period.
+        errors: how the robot that walks differs from ``biped``, which the controller believes in.
         controller_settings: gains and limits; default: the limits of the gait's specification, and with a period the
             gains of `sampled_frequency`.
         simulation_settings: tolerances; ``steps`` and ``period`` above take precedence.
@@ -64,6 +69,7 @@ def simulate(
         q,
         (1.0 + speed_error) * dq,
         settings,
+        errors=errors,
         stance=stance,
         on_step=on_step,
         gait=gait_to_dict(gait),
@@ -71,15 +77,6 @@ def simulate(
     )
     counted = {**stored, "ticks": controller.ticks, "unsolved": controller.unsolved, "declined": controller.declined}
     return replace(run, settings={**run.settings, "controller": counted})
-
-
-def sampled_frequency(period: float) -> float:
-    """Natural frequency of the error dynamics for torques held for a period [rad/s]: a tenth of the rate, at most 100.
-
-    Held torques leave an error at every impact, when the old stance ankle's torque acts on a light swing foot; it must
-    be gone within the phase. On the feet of G1 and iCub 30 rad/s are too slow for that.
-    """
-    return min(100.0, 0.1 / period)
 
 
 def simulated_multiplier(biped: FrontalBiped, gait: Gait, relative_step: float = 1e-4) -> float:

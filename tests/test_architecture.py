@@ -34,14 +34,16 @@ MAY_IMPORT = {
         "model", "quadrature", "virtual_constraints", "zero_dynamics", "poincare", "gait", "simulation", "walking",
     },
     "library": {"model", "design", "gait"},
-    "control": {"model", "virtual_constraints", "gait", "quadratic_program", "phase_energy", "half_steps"},
-    "return_map": {
-        "model", "virtual_constraints", "zero_dynamics", "poincare", "phase_energy", "half_steps", "gait", "control",
+    "contact_margins": {"model", "zero_dynamics", "poincare", "phase_energy", "half_steps", "gait"},
+    "control": {
+        "model", "virtual_constraints", "gait", "quadratic_program", "phase_energy", "half_steps", "contact_margins",
     },
+    "return_map": {"model", "virtual_constraints", "phase_energy", "half_steps", "gait", "contact_margins", "control"},
     "simulation": {"model", "virtual_constraints", "control"},
+    "scenarios": {"model", "gait", "control", "design", "simulation", "walking"},
 }  # fmt: skip
 
-APPLICATIONS = {"cli", "demo", "__main__"}
+APPLICATIONS = {"cli", "demo", "studio", "pytest_plugin", "__main__"}
 """They see everything, and nothing below sees them."""
 
 # foreign package: the only places that may import it
@@ -53,6 +55,7 @@ ONLY_IN = {
     "distributed": {"library"},
     "mujoco": {"simulation"},
     "viser": {"studio"},
+    "pytest": {"pytest_plugin"},
     "playwright": {"visualisation"},
     "PIL": {"visualisation"},
 }

@@ -4,6 +4,7 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 from pathlib import Path
 
 from frontal_biped.exceptions import FrontalBipedError
@@ -78,7 +79,7 @@ def _parser() -> argparse.ArgumentParser:
             name, help=summary, description=summary, epilog=f"example: {example}", parents=[common]
         )
 
-    def add_json(command: argparse.ArgumentParser) -> None:
+    def add_json(command: argparse._ActionsContainer) -> None:
         command.add_argument("--json", action="store_true", help="print the report as JSON")
 
     def add_robot(command: argparse.ArgumentParser, default: str | None) -> None:
@@ -188,6 +189,23 @@ def _parser() -> argparse.ArgumentParser:
     add_json(simulate)
     simulate.set_defaults(run=_Run("simulate"))
 
+    trial = add(
+        "trial",
+        "Run scenarios: disturbed walks with expectations; exit status 1 if one does not hold.",
+        "frontal-biped trial examples/scenarios/push.scenario.toml --repeat 20 --seed 1 --jobs 2 --save runs",
+    )
+    trial.add_argument("scenarios", metavar="SCENARIO.toml", type=Path, nargs="+", help="scenario files")
+    trial.add_argument("--repeat", metavar="N", type=_positive_int, help="trials of each; default: what its file says")
+    trial.add_argument("--seed", metavar="S", type=_whole_number, help="of all trials; default: what each file says")
+    trial.add_argument("--only", metavar="K", type=_whole_number, help="only trial K, from 0, of each scenario")
+    trial.add_argument("--jobs", metavar="N", type=_positive_int, default=1, help="worker processes; default: 1")
+    trial.add_argument("--junit", metavar="FILE", type=Path, help="write JUnit XML")
+    trial.add_argument("--save", metavar="DIR", type=Path, help="keep a run file of every trial, for `view` and `plot`")
+    shown = trial.add_mutually_exclusive_group()
+    shown.add_argument("--markdown", action="store_true", help="print the table as Markdown")
+    add_json(shown)
+    trial.set_defaults(run=_Run("trial", "trial"))
+
     view = add(
         "view",
         "Watch a gait or a run in the browser: live, or as one self-contained page.",
@@ -247,6 +265,18 @@ def _parser() -> argparse.ArgumentParser:
     )
     plot.set_defaults(run=_Run("plot"))
 
+    studio = add(
+        "studio",
+        "Set the specification with sliders in the browser, watch the gait designed anew, push the robot.",
+        "frontal-biped studio --robot talos_full",
+    )
+    add_robot(studio, "frontal_biped")
+    studio.add_argument(
+        "--port", metavar="P", type=_positive_int, default=0, help="port; default: the first free one from 8080 on"
+    )
+    studio.add_argument("--no-open", action="store_true", help="do not open a browser, only print the address")
+    studio.set_defaults(run=_Run("studio", "studio"))
+
     robots = add(
         "robots",
         "What can be walked; or propose a description for a URDF, or a posture for a description.",
@@ -274,9 +304,8 @@ class _Run:
         self.name, self.module = name, module
 
     def __call__(self, arguments: argparse.Namespace) -> int:
-        from importlib import import_module
-
-        function = getattr(import_module(f"frontal_biped.cli.{self.module}"), f"run_{self.name}")
+        commands = import_module(f"frontal_biped.cli.{self.module}")
+        function = getattr(commands, f"run_{self.name}")
         return int(function(arguments))
 
 

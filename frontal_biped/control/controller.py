@@ -1,47 +1,23 @@
 """The walking controller: virtual constraints and FRI target through the quadratic program."""
 
+import logging
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.closed_form import Targets
+from frontal_biped.control.settings import ControllerSettings
+from frontal_biped.control.torque_program import Source, TorqueProgram
 from frontal_biped.control.transitions import AdaptiveTransitions, FixedTransitions, Stabiliser
-from frontal_biped.control.walking_qp import DDQ, FORCE, ContactLimits, Targets, U, WalkingQp
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait import Gait
 from frontal_biped.half_steps import Landed
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.quadratic_program import ProxQpSolver, QpSolution
 from frontal_biped.virtual_constraints.phase import Phase, StepPhase
 
 
-@dataclass(frozen=True)
-class ControllerSettings:
-    """Settings of the controller.
-
-    Attributes:
-        frequency: natural frequency of the output error dynamics [rad/s].
-        damping: damping ratio of the output error dynamics [-].
-        friction: coefficient of friction of the cone [-].
-        min_normal_force: smallest normal force, as a fraction of the weight [-].
-        max_torque: torque limits, chain order [N m]; None: the robot's.
-        accuracy: absolute tolerance of the quadratic program.
-        max_iterations: of the quadratic program.
-    """
-
-    frequency: float = 30.0
-    damping: float = 1.0
-    friction: float = 0.6
-    min_normal_force: float = 0.1
-    max_torque: tuple[float, float, float, float] | None = None
-    accuracy: float = 1e-9
-    max_iterations: int = 200
-
-    @classmethod
-    def for_gait(cls, gait: Gait) -> "ControllerSettings":
-        """Defaults, with the friction, normal force and torque limits that the gait was designed for."""
-        shared = ("friction", "min_normal_force", "max_torque")
-        return cls(**{key: gait.specification[key] for key in shared if key in gait.specification})
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -55,7 +31,7 @@ class Command:
         y: (3,) output [rad].
         dy: (3,) its rate [rad/s].
         p_fri_target: wanted FRI [m].
-        solved: did the program reach its accuracy?
+        source: where the torques come from.
     """
 
     u: FloatArray
@@ -64,21 +40,30 @@ class Command:
     y: FloatArray
     dy: FloatArray
     p_fri_target: float
-    solved: bool
+    source: Source
+
+    @property
+    def solved(self) -> bool:
+        """Are these the torques of the program as posed, every limit kept?"""
+        return self.source is Source.CLOSED_FORM or self.source is Source.PROGRAM
 
 
 class QpController:
     """Input-output linearisation of y = q_b - h_d(beta) with the FRI on its target, within the limits.
+
+    Where no torques keep every limit, the limits give way in order (see `relaxation`); where even that cannot be
+    solved, or the state is not finite, the last command is given again. Both are logged (`logging`, level INFO) and
+    counted.
 
     Args:
         biped: the robot.
         gait: what to track.
         settings: gains and limits; default: those of the gait's specification.
         stabiliser: chooses the virtual constraints of each phase; default: the paper's fixed ones.
+        shortcut: take the program's closed form where no limit is active? False: ask ProxQP at every tick.
 
     Attributes:
-        ticks: commands given.
-        unsolved: of these, programs that did not reach their accuracy.
+        counts: commands given, by their source.
         declined: phases for which the stabiliser had no answer, walked as `AdaptiveTransitions` would.
     """
 
@@ -88,26 +73,40 @@ class QpController:
         gait: Gait,
         settings: ControllerSettings | None = None,
         stabiliser: Stabiliser | None = None,
+        shortcut: bool = True,
     ) -> None:
         self.biped = biped
         self.gait = gait
         self.settings = settings or ControllerSettings.for_gait(gait)
-        outer, inner = biped.sole
-        torque = biped.max_torque if self.settings.max_torque is None else np.array(self.settings.max_torque)
-        limits = ContactLimits(
-            self.settings.friction, self.settings.min_normal_force * biped.weight, outer, inner, torque
-        )
-        self._qp = WalkingQp(biped, limits)
-        self._solver = ProxQpSolver(self.settings.accuracy, self.settings.max_iterations)
+        self.program = TorqueProgram(biped, self.settings, shortcut)
         self._kp = self.settings.frequency**2
         self._kd = 2.0 * self.settings.damping * self.settings.frequency
-        self.ticks = 0
-        self.unsolved = 0
+        self.counts = dict.fromkeys(Source, 0)
         self.declined = 0
         self._last: Command | None = None
         self.stabiliser: Stabiliser = FixedTransitions(gait) if stabiliser is None else stabiliser
         self._fallback = AdaptiveTransitions(biped, gait)
         self._phases = {StepPhase.RISING: gait.rising, StepPhase.FALLING: gait.falling}
+
+    @property
+    def ticks(self) -> int:
+        """Commands given."""
+        return sum(self.counts.values())
+
+    @property
+    def relaxed(self) -> int:
+        """Commands for which limits had to give way."""
+        return self.counts[Source.RELAXED]
+
+    @property
+    def held(self) -> int:
+        """Commands that repeated the last one."""
+        return self.counts[Source.HELD]
+
+    @property
+    def unsolved(self) -> int:
+        """Commands that are not the program's own solution: relaxed or held."""
+        return self.relaxed + self.held
 
     def begin(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> None:
         """A phase begins at q (4,) [rad], dq (4,) [rad/s]: ask the stabiliser for its virtual constraints."""
@@ -135,28 +134,35 @@ class QpController:
             dq: (4,) their rates [rad/s].
 
         Returns:
-            The command. Where the program cannot be solved, the last command's torques, with ``solved`` False; such
-            ticks are counted in ``unsolved``.
+            The command; ``source`` and ``solved`` say what it is worth.
         """
-        constraints = self.phase(phase)
-        h_d, h_d1, h_d2, p_fri = constraints.desired(q[0])
-        y, dy = q[1:] - h_d, dq[1:] - h_d1 * dq[0]
-        targets = Targets(h_d1, h_d2 * dq[0] ** 2, -self._kd * dy - self._kp * y, p_fri)
-        solution = self.solve(q, dq, targets)
-        self.ticks += 1
-        x = solution.x * self._qp.scale
-        if not solution.solved:
-            self.unsolved += 1
-            if self._last is not None:
-                return replace(self._last, y=y, dy=dy, p_fri_target=p_fri, solved=False)
-        command = Command(x[U].copy(), x[DDQ].copy(), x[FORCE].copy(), y, dy, p_fri, solution.solved)
-        self._last = command
+        h_d, h_d1, h_d2, p_fri = self._phases[phase].desired(q[0])
+        rate = dq[0]
+        y, dy = q[1:] - h_d, dq[1:] - rate * h_d1
+        targets = Targets(h_d1, rate**2 * h_d2, -self._kd * dy - self._kp * y, p_fri)
+        answer = self.program.solve(q, dq, targets)
+        if answer is None:
+            command = self._held(y, dy, p_fri)
+        else:
+            command = Command(answer.u, answer.ddq, answer.force, y, dy, p_fri, answer.source)
+            self._last = command
+        self.counts[command.source] += 1
+        if not command.solved:
+            _log.info(
+                "%s, %s phase, beta %.4f rad, dbeta %.4f rad/s: no torques keep every limit; %s",
+                self.biped.name,
+                phase.value,
+                q[0],
+                rate,
+                "last command held" if answer is None else f"limits overstepped by up to {answer.violation:.2e}",
+            )
         return command
 
-    def solve(self, q: FloatArray, dq: FloatArray, targets: Targets) -> QpSolution:
-        """Build and solve the quadratic program at a state, warm-started at the unconstrained answer."""
-        program = self._qp.build(q, dq, targets)
-        return self._solver.solve(program, guess=self._qp.unconstrained())
+    def _held(self, y: FloatArray, dy: FloatArray, p_fri: float) -> Command:
+        """The last command again; no torques before the first."""
+        zero = np.zeros(4)
+        last = self._last or Command(zero, zero, np.zeros(2), y, dy, p_fri, Source.HELD)
+        return replace(last, y=y, dy=dy, p_fri_target=p_fri, source=Source.HELD)
 
     def phase(self, phase: StepPhase) -> Phase:
         """Virtual constraints of a phase, as the stabiliser last chose them."""

@@ -3,15 +3,16 @@
 from collections.abc import Callable
 
 from frontal_biped.control.ankle_law import AnkleLaw
+from frontal_biped.control.look_ahead import LookAheadTransitions
 from frontal_biped.control.step_law import StepLaw, StepRule
-from frontal_biped.control.transitions import AdaptiveTransitions, FixedTransitions, Stabiliser
+from frontal_biped.control.transitions import FixedTransitions, Stabiliser
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 
 STABILISERS: dict[str, Callable[[FrontalBiped, Gait], Stabiliser]] = {
     "fixed": lambda biped, gait: FixedTransitions(gait),
-    "adaptive": AdaptiveTransitions,
+    "adaptive": LookAheadTransitions,
     "ankle": AnkleLaw,
     "step": StepLaw,
     "step-lqr": lambda biped, gait: StepLaw(biped, gait, rule=StepRule.LQR),

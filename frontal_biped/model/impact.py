@@ -41,6 +41,11 @@ class Impact:
         """Where the impulse acts on the landing sole, from its ankle, positive in the old h direction [m]."""
         return float(self.impulse[2] / self.impulse[1])
 
+    @property
+    def friction_used(self) -> float:
+        """Coefficient of friction that keeps the landing foot from slipping, |L_h| / L_v; inf if the ground pulls."""
+        return float(abs(self.impulse[0]) / self.impulse[1]) if self.impulse[1] > 0.0 else float("inf")
+
 
 def impact(biped: FrontalBiped, q_minus: FloatArray, dq_minus: FloatArray) -> Impact:
     """Land the swing foot.

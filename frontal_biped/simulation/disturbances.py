@@ -1,40 +1,19 @@
-"""What a simulated robot is up against: noisy encoders, noisy torques, pushes at the pelvis. Seeded, so repeatable.
+"""What a simulated robot is up against: noise, delay, weak motors, pushes, ground that is uneven or slippery.
 
-Reversal and impact are announced to the controller when they happen; only the state it is given then is noisy.
+Everything is seeded, so a run can be repeated. The torques, the ground and the sensors draw from streams of their own:
+switching one disturbance on leaves the draws of the others as they were.
 """
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
-import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.impact import impact
-from frontal_biped.model.stance_map import Stance
+from frontal_biped.exceptions import SimulationError
+from frontal_biped.simulation.pushes import Push
 
-OBSERVER_FREQUENCY = 80.0
-"""Natural frequency of the observer's error, critically damped [rad/s]."""
-
-
-@dataclass(frozen=True)
-class Push:
-    """A constant lateral force at the middle of the hip line for a while.
-
-    Attributes:
-        start: time from the start of the run [s].
-        duration: [s].
-        impulse: force times duration, positive to the robot's left [N s].
-    """
-
-    start: float
-    duration: float
-    impulse: float
-
-    def force(self, t: float) -> float:
-        """Force to the left at time t [N]."""
-        # a hair early, so that a push that starts on a tick acts in it
-        return self.impulse / self.duration if self.start - 1e-9 <= t < self.start + self.duration - 1e-9 else 0.0
+_STREAMS = ("sensors", "torques", "ground")
 
 
 @dataclass(frozen=True)
@@ -42,88 +21,93 @@ class Disturbances:
     """Everything that disturbs a sampled run.
 
     Attributes:
-        encoder_noise: standard deviation of each joint reading [rad]; the velocities then come from an observer.
+        encoder_noise: standard deviation of each joint reading [rad]; the velocities are then estimated.
         torque_noise: standard deviation of each torque, relative to the commanded one [-].
         pushes: forces at the pelvis.
-        seed: of both noises.
+        seed: of everything random.
+        delay: from a reading to the torques it leads to, rounded to whole control periods [s].
+        quantisation: step of the joint readings [rad]; the velocities are then estimated.
+        imu_noise: standard deviation of the pelvis roll that an inertial unit tells [rad].
+        gyro_noise: standard deviation of the pelvis roll rate [rad/s].
+        ground: heights of the ground under the first landings, above the level on which the feet start [m].
+        ground_height: further landings are uniform within plus and minus this [m].
+        friction: coefficient of the ground [-]; None: the foot never slips (rigid engine), the engine's own (MuJoCo).
+        torque_limits: what the motors of ankles and hips give at most, whatever is commanded [N m].
+
+    Raises:
+        SimulationError: a negative size, or a friction or torque limit that is not positive.
     """
 
     encoder_noise: float = 0.0
     torque_noise: float = 0.0
     pushes: tuple[Push, ...] = ()
     seed: int = 0
+    delay: float = 0.0
+    quantisation: float = 0.0
+    imu_noise: float = 0.0
+    gyro_noise: float = 0.0
+    ground: tuple[float, ...] = ()
+    ground_height: float = 0.0
+    friction: float | None = None
+    torque_limits: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        for key in (
+            "encoder_noise",
+            "torque_noise",
+            "delay",
+            "quantisation",
+            "imu_noise",
+            "gyro_noise",
+            "ground_height",
+        ):
+            if not getattr(self, key) >= 0.0:
+                raise SimulationError(f"{key} = {getattr(self, key)!r} must not be negative; 0 for none")
+        if self.friction is not None and not self.friction > 0.0:
+            raise SimulationError(f"friction = {self.friction!r} must be positive; leave it out for a foot that sticks")
+        if self.torque_limits is not None and not min(self.torque_limits) > 0.0:
+            raise SimulationError(f"torque_limits = {self.torque_limits!r} must be positive: (ankle, hip) in N m")
 
     @property
     def any(self) -> bool:
         """Is there anything at all?"""
-        return bool(self.encoder_noise or self.torque_noise or self.pushes)
+        nothing = Disturbances(seed=self.seed)
+        return self != nothing
 
-    def lateral_force(self, t: float, stance: Stance) -> float:
-        """Force along h, from the stance foot towards the swing foot [N]."""
-        to_the_left = sum(push.force(t) for push in self.pushes)
-        return -to_the_left if stance is Stance.LEFT else to_the_left
+    @property
+    def noisy_sensors(self) -> bool:
+        """Do the joint readings differ from the joints? Their rates then have to be estimated."""
+        return bool(self.encoder_noise or self.quantisation)
 
+    def generator(self, stream: str) -> np.random.Generator:
+        """Random numbers of "sensors", "torques" or "ground"; always from the start of the stream."""
+        return np.random.default_rng(np.random.SeedSequence([self.seed, _STREAMS.index(stream)]))
 
-class PelvisForce:
-    """A horizontal force at the middle of the hip line, as the robot feels it.
+    def landing_heights(self, count: int) -> FloatArray:
+        """(count,) heights of the ground under the next landings [m]; the feet start at 0."""
+        uneven = self.ground_height * self.generator("ground").uniform(-1.0, 1.0, count)
+        given = np.array(self.ground[:count], dtype=float)
+        return np.concatenate([given, uneven[len(given) :]])
 
-    Args:
-        biped: the robot.
-    """
+    def delay_ticks(self, period: float) -> int:
+        """The delay in whole control periods."""
+        return round(self.delay / period)
 
-    def __init__(self, biped: FrontalBiped) -> None:
-        self.biped = biped
-        self._data = biped.pinned.createData()
+    def chain_torque_limits(self) -> FloatArray:
+        """(4,) largest torques of the motors [N m]; ankle, hip, hip, ankle for either stance foot. inf: no limit."""
+        ankle, hip = self.torque_limits or (np.inf, np.inf)
+        return np.array([ankle, hip, hip, ankle])
 
-    def torques(self, q: FloatArray, force: float) -> FloatArray:
-        """(4,) generalized forces [N m] of a force along h [N]."""
-        model, data = self.biped.pinned, self._data
-        pin.computeJointJacobians(model, data, q)
-        ends = [pin.getJointJacobian(model, data, joint, pin.LOCAL_WORLD_ALIGNED)[0] for joint in (2, 3)]
-        return 0.5 * force * (ends[0] + ends[1])
+    def applied(self, commanded: FloatArray, generator: np.random.Generator) -> FloatArray:
+        """(4,) torques that the motors give when asked for ``commanded`` [N m], in chain or in URDF order."""
+        u = commanded
+        if self.torque_noise:
+            u = u * (1.0 + self.torque_noise * generator.standard_normal(4))
+        if self.torque_limits is not None:
+            limits = self.chain_torque_limits()
+            u = np.clip(u, -limits, limits)
+        return u
 
-    def height(self, q: FloatArray) -> float:
-        """Height of the point where it acts [m]."""
-        return float(self.biped.joint_positions(q)[1:3, 1].mean())
-
-
-class NoisyEncoders:
-    """Joint readings with white noise, and the state a robot would make of them.
-
-    A Luenberger observer: the model predicts with the commanded torques, the readings correct position and velocity.
-    An impact is known from the foot's contact, so the estimate jumps by the impact map.
-
-    Args:
-        biped: the robot.
-        noise: standard deviation of a reading [rad].
-        generator: of the noise.
-        q: (4,) configuration at the start [rad].
-        dq: (4,) velocities at the start [rad/s].
-    """
-
-    def __init__(
-        self, biped: FrontalBiped, noise: float, generator: np.random.Generator, q: FloatArray, dq: FloatArray
-    ) -> None:
-        self.biped, self.noise, self.generator = biped, noise, generator
-        self.q, self.dq = q.copy(), dq.copy()
-
-    def advance(self, u: FloatArray, h: float) -> None:
-        """Predict over h [s] under the commanded torques (4,) [N m], by a midpoint step."""
-        ddq = self.biped.forward_dynamics(self.q, self.dq, u)
-        middle = self.biped.forward_dynamics(self.q + 0.5 * h * self.dq, self.dq + 0.5 * h * ddq, u)
-        self.q = self.q + h * self.dq + 0.5 * h**2 * ddq
-        self.dq = self.dq + h * middle
-
-    def read(self, q: FloatArray, period: float) -> tuple[FloatArray, FloatArray]:
-        """Take a reading of the true q (4,) [rad]; returns the corrected estimate of q and dq."""
-        error = q + self.noise * self.generator.standard_normal(4) - self.q
-        self.q = self.q + 2.0 * OBSERVER_FREQUENCY * period * error
-        self.dq = self.dq + OBSERVER_FREQUENCY**2 * period * error
-        return self.q, self.dq
-
-    def land(self, q_plus: FloatArray) -> None:
-        """Pass an impact; the landed foot's sole is flat, which the contact tells."""
-        landed = impact(self.biped, self.q, self.dq)
-        self.q, self.dq = landed.q_plus, landed.dq_plus
-        # the flat sole fixes the orientation of the new stance leg
-        self.q[0] = q_plus[0] + self.noise * float(self.generator.standard_normal())
+    def as_dict(self) -> dict[str, Any]:
+        """As a run file keeps it: lists, numbers and names."""
+        return {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(self).items()}

@@ -5,14 +5,16 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.perturbation import Plant
 from frontal_biped.model.stance_map import Stance, relabel
-from frontal_biped.simulation.disturbances import NoisyEncoders, PelvisForce
 from frontal_biped.simulation.hybrid_system import EventKind, Guard
+from frontal_biped.simulation.pushes import PelvisForce, PushForces, along_h
+from frontal_biped.simulation.sensors import DelayLine, NoisyEncoders, Sensors
 from frontal_biped.simulation.settings import Controller, SimulationSettings
+from frontal_biped.simulation.stance_motion import StanceMotion
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 PHASE_TIME_LIMIT = 5.0  # [s] a phase that lasts longer is not walking
@@ -38,8 +40,8 @@ class Segment:
 class ContinuousFlow:
     """The controller inside the right-hand side; DOP853 with located events."""
 
-    def __init__(self, biped: FrontalBiped, controller: Controller, settings: SimulationSettings) -> None:
-        self.biped, self.controller, self.settings = biped, controller, settings
+    def __init__(self, plant: Plant, controller: Controller, settings: SimulationSettings) -> None:
+        self.plant, self.controller, self.settings = plant, controller, settings
 
     def begin(self, state: FloatArray) -> None:
         """Nothing is held."""
@@ -53,11 +55,12 @@ class ContinuousFlow:
 
     def run(self, t: float, state: FloatArray, phase: StepPhase, guards: tuple[Guard, ...], stance: Stance) -> Segment:
         """From a state (8,) at time t [s] to the first guard crossed, or to the time limit of a phase."""
+        biped = self.plant.on(stance)
 
         def derivative(_: float, x: FloatArray) -> FloatArray:
             q, dq = x[:4], x[4:]
             u = self.controller.command(phase, q, dq).u
-            return np.concatenate([dq, self.biped.forward_dynamics(q, dq, u)])
+            return np.concatenate([dq, biped.forward_dynamics(q, dq, u)])
 
         settings = self.settings
         solution = solve_ivp(
@@ -95,33 +98,48 @@ class SampledFlow:
 
     Between ticks the torques are constant and a Runge-Kutta step of order 4 per millisecond is exact to rounding;
     solve_ivp would spend most of its time on starting up every period.
+
+    Args:
+        plant: what moves.
+        biped: the robot as an observer knows it.
+        controller: asked at every tick.
+        settings: period and disturbances.
+        pushes: on the robot.
     """
 
     max_step = 1e-3  # [s]
 
-    def __init__(self, biped: FrontalBiped, controller: Controller, settings: SimulationSettings) -> None:
-        self.biped, self.controller, self.settings = biped, controller, settings
+    def __init__(
+        self,
+        plant: Plant,
+        biped: FrontalBiped,
+        controller: Controller,
+        settings: SimulationSettings,
+        pushes: PushForces,
+    ) -> None:
+        self.plant, self.biped, self.controller, self.settings = plant, biped, controller, settings
         assert settings.period is not None
         self.period = settings.period
         self._u: FloatArray | None = None  # applied
         self._commanded: FloatArray | None = None
         self._next_tick = 0
         self._disturbances = settings.disturbances
-        self._generator = np.random.default_rng(settings.disturbances.seed)
+        self._generator = settings.disturbances.generator("torques")
+        self._delay = DelayLine(settings.disturbances.delay_ticks(settings.period))
         self._encoders: NoisyEncoders | None = None
-        self._pelvis = PelvisForce(biped)
-        self._force = 0.0
+        self._pushes = pushes
+        self._pelvis = {stance: PelvisForce(plant.on(stance)) for stance in Stance}
 
     def begin(self, state: FloatArray) -> None:
         """Start the observer, if the encoders are noisy, at the true state."""
-        noise = self._disturbances.encoder_noise
-        if noise:
-            self._encoders = NoisyEncoders(self.biped, noise, self._generator, state[:4], state[4:])
+        if self._disturbances.noisy_sensors:
+            self._encoders = NoisyEncoders(self.biped, Sensors(self._disturbances), state[:4], state[4:])
 
     def land(self, state: FloatArray) -> None:
         """Joint torques persist through the impact: in stance coordinates they change places."""
         if self._u is not None and self._commanded is not None:
             self._u, self._commanded = relabel(self._u), relabel(self._commanded)
+        self._delay.relabel()
         if self._encoders is not None:
             self._encoders.land(state[:4])
 
@@ -132,15 +150,14 @@ class SampledFlow:
     def _tick(self, state: FloatArray, phase: StepPhase) -> None:
         if self._encoders is not None:
             self._encoders.read(state[:4], self.period)
-        self._commanded = self.controller.command(phase, *self.perceived(state)).u
-        self._u = self._commanded
-        if self._disturbances.torque_noise:
-            factor = 1.0 + self._disturbances.torque_noise * self._generator.standard_normal(4)
-            self._u = self._commanded * factor
+        # what arrives at the motors now; the robot knows its own delay, so its observer predicts with the same
+        self._commanded = self._delay.push(self.controller.command(phase, *self.perceived(state)).u)
+        self._u = self._disturbances.applied(self._commanded, self._generator)
 
     def run(self, t: float, state: FloatArray, phase: StepPhase, guards: tuple[Guard, ...], stance: Stance) -> Segment:
         """From a state (8,) at time t [s] to the first guard crossed, or to the time limit of a phase."""
         deadline = t + PHASE_TIME_LIMIT
+        motion = StanceMotion(self.plant.on(stance), self._pelvis[stance])
         times, states, torques = [t], [state], []
         values = [guard.function(state[:4], state[4:]) for guard in guards]
         while t < deadline:
@@ -151,16 +168,19 @@ class SampledFlow:
                 tick_time = self._next_tick * self.period
             assert self._u is not None
             torques.append(self._u)
-            self._force = self._disturbances.lateral_force(t, stance) if self._disturbances.pushes else 0.0
+            motion.u = self._u
+            motion.pushes = [(along_h(force, stance), height) for force, height in self._pushes.at(t)]
+            if self._disturbances.friction is not None and motion.friction_used(state) > self._disturbances.friction:
+                return self._segment(times, states, torques, EventKind.SLIPPED)
             h = min(tick_time - t, self.max_step)
-            after = self._advance(state, self._u, h)
+            after = motion.advance(state, h)
             new_values = [guard.function(after[:4], after[4:]) for guard in guards]
-            hit = self._first_crossing(state, self._u, h, guards, values, new_values)
+            hit = motion.first_crossing(state, h, guards, values, new_values)
             if hit is not None:
                 h, kind = hit
                 self._predict(h)
                 times.append(t + h)
-                states.append(self._advance(state, self._u, h))
+                states.append(motion.advance(state, h))
                 return self._segment(times, states, torques, kind)
             self._predict(h)
             t, state, values = (tick_time if h == tick_time - t else t + h), after, new_values
@@ -173,41 +193,9 @@ class SampledFlow:
     ) -> Segment:
         every = max(1, round(1.0 / (self.settings.record_rate * self.max_step)))
         keep = sorted({*range(0, len(times), every), len(times) - 1})
-        torques = [*torques, torques[-1]]
+        torques = [*torques, torques[-1]][: len(times)]
         return Segment(np.array(times)[keep], np.array(states)[keep], np.array(torques)[keep], kind)
 
     def _predict(self, h: float) -> None:
         if self._encoders is not None and self._commanded is not None and h > 0.0:
             self._encoders.advance(self._commanded, h)
-
-    def _advance(self, x: FloatArray, u: FloatArray, h: float) -> FloatArray:
-        def derivative(x: FloatArray) -> FloatArray:
-            torques = u if self._force == 0.0 else u + self._pelvis.torques(x[:4], self._force)
-            return np.concatenate([x[4:], self.biped.forward_dynamics(x[:4], x[4:], torques)])
-
-        k1 = derivative(x)
-        k2 = derivative(x + 0.5 * h * k1)
-        k3 = derivative(x + 0.5 * h * k2)
-        k4 = derivative(x + h * k3)
-        return x + (h / 6.0) * (k1 + 2.0 * (k2 + k3) + k4)
-
-    def _first_crossing(
-        self,
-        x: FloatArray,
-        u: FloatArray,
-        h: float,
-        guards: tuple[Guard, ...],
-        before: list[float],
-        after: list[float],
-    ) -> tuple[float, EventKind] | None:
-        """Time into the step and kind of the earliest guard crossed in its direction."""
-        found = []
-        for guard, a, b in zip(guards, before, after, strict=True):
-            if a * guard.direction < 0.0 <= b * guard.direction:
-
-                def value(tau: float, guard: Guard = guard) -> float:
-                    y = self._advance(x, u, tau)
-                    return guard.function(y[:4], y[4:])
-
-                found.append((float(brentq(value, 0.0, h, xtol=1e-14)), guard.kind))
-        return min(found, key=lambda item: item[0]) if found else None

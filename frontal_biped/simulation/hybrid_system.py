@@ -30,6 +30,7 @@ class EventKind(Enum):
     TIPPED_OUTWARDS = "the robot tipped over its stance foot, away from the swing foot"
     COLLAPSED = "the centre of mass dropped below 60 % of its upright height"
     EDGE_LANDING = "the swing foot landed on its edge"
+    SLIPPED = "the stance foot slipped: the ground reaction left the friction cone"
 
 
 class Guard(NamedTuple):
@@ -54,8 +55,14 @@ class Guards:
     falling: tuple[Guard, ...]
 
 
-def walking_guards(biped: FrontalBiped) -> Guards:
-    """Guards of a walking biped: reversal and impact, and the ways to fall."""
+def walking_guards(biped: FrontalBiped, leaving: float = 0.0, landing: float = 0.0) -> Guards:
+    """Guards of a walking biped: reversal and impact, and the ways to fall.
+
+    Args:
+        biped: the robot, on its stance foot.
+        leaving: height of the ground that the swing foot leaves, above the ground under the stance foot [m].
+        landing: height of the ground on which it will land [m]; from the reversal on it is over that.
+    """
     upright_height = float(biped.com(np.full(4, UPRIGHT))[1])
     outer, _ = biped.sole
 
@@ -63,10 +70,10 @@ def walking_guards(biped: FrontalBiped) -> Guards:
         return float(dq[0])
 
     def clearance(q: FloatArray, _: FloatArray) -> float:
-        return float(biped.swing_sole(q)[:, 1].min())
+        return float(biped.swing_sole(q)[:, 1].min()) - landing
 
-    def grazing_clearance(q: FloatArray, dq: FloatArray) -> float:
-        return clearance(q, dq) + GRAZE
+    def grazing_clearance(q: FloatArray, _: FloatArray) -> float:
+        return float(biped.swing_sole(q)[:, 1].min()) - leaving + GRAZE
 
     def inside_outer_edge(q: FloatArray, _: FloatArray) -> float:
         return float(biped.com(q)[0]) - outer
@@ -92,14 +99,16 @@ def walking_guards(biped: FrontalBiped) -> Guards:
     )
 
 
-def land(biped: FrontalBiped, q_minus: FloatArray, dq_minus: FloatArray) -> Impact | None:
+def land(
+    biped: FrontalBiped, q_minus: FloatArray, dq_minus: FloatArray, flat_landing: float = FLAT_LANDING
+) -> Impact | None:
     """Reset at impact: rigid impact and relabelling; None for a landing too steep to settle flat.
 
     A foot that lands at a small angle settles flat at once: the rest of the robot keeps its orientation, so that
     angle is taken out of the new stance ankle.
     """
     rotation = float(biped.swing_foot_rotation(q_minus))
-    if abs(rotation) > FLAT_LANDING:
+    if abs(rotation) > flat_landing:
         return None
     landing = impact(biped, q_minus, dq_minus)
     q_plus = landing.q_plus.copy()

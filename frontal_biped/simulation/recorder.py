@@ -5,22 +5,28 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.perturbation import Plant
 from frontal_biped.model.stance_map import Stance
-from frontal_biped.simulation.disturbances import Disturbances, PelvisForce
 from frontal_biped.simulation.flows import Segment
 from frontal_biped.simulation.hybrid_system import EventKind
+from frontal_biped.simulation.pushes import PelvisForce, PushForces, along_h
 from frontal_biped.simulation.settings import Controller
 from frontal_biped.simulation.trajectory import SAMPLED, Trajectory
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 
 class Recorder:
-    """Collects samples and events."""
+    """Collects samples and events.
 
-    def __init__(self, biped: FrontalBiped, controller: Controller, disturbances: Disturbances) -> None:
-        self.biped, self.controller, self.disturbances = biped, controller, disturbances
-        self.pelvis = PelvisForce(biped)
+    Args:
+        plant: what moves.
+        controller: asked again for the output and the FRI target of every sample.
+        pushes: on the robot.
+    """
+
+    def __init__(self, plant: Plant, controller: Controller, pushes: PushForces) -> None:
+        self.plant, self.controller, self.pushes = plant, controller, pushes
+        self.pelvis = {stance: PelvisForce(plant.on(stance)) for stance in Stance}
         self.rows: dict[str, list[Any]] = {name: [] for name in SAMPLED}
         self.times: list[float] = []
         self.kinds: list[str] = []
@@ -29,17 +35,18 @@ class Recorder:
 
     def segment(self, segment: Segment, phase: StepPhase, stance: Stance, world_y: float, step: int) -> None:
         """Add the samples of a phase; ``world_y`` is where the stance foot stands [m]."""
+        biped, pelvis = self.plant.on(stance), self.pelvis[stance]
         for i, (t, x) in enumerate(zip(segment.t, segment.x, strict=True)):
             q, dq = x[:4], x[4:]
             command = self.controller.command(phase, q, dq)
             u = command.u if segment.u is None else segment.u[i]
-            push = self.disturbances.lateral_force(t, stance) if self.disturbances.pushes else 0.0
-            felt = u if push == 0.0 else u + self.pelvis.torques(q, push)
-            ddq = self.biped.forward_dynamics(q, dq, felt)
-            wrench = self.biped.inverse_dynamics(q, dq, ddq)
-            if push != 0.0:  # the ground carries what the push does not
-                wrench[0] -= push
-                wrench[2] += push * self.pelvis.height(q)
+            pushes = [(along_h(force, stance), height) for force, height in self.pushes.at(t)]
+            felt = u + sum((pelvis.torques(q, *push) for push in pushes), np.zeros(4))
+            ddq = biped.forward_dynamics(q, dq, felt)
+            wrench = biped.inverse_dynamics(q, dq, ddq)
+            for force, height in pushes:  # the ground carries what the push does not
+                wrench[0] -= force
+                wrench[2] += force * pelvis.height(q, height)
             sample = {
                 "t": t,
                 "q": q,

@@ -6,6 +6,7 @@ from typing import Protocol
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.simulation.disturbances import Disturbances
+from frontal_biped.simulation.hybrid_system import FLAT_LANDING
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 
@@ -45,7 +46,8 @@ class SimulationSettings:
         rtol: relative tolerance of the integrator (continuous control).
         atol: absolute tolerance of the integrator (continuous control).
         record_rate: samples per second of the recording [1/s].
-        disturbances: noise and pushes; they need a period.
+        disturbances: what the robot is up against; they need a period.
+        flat_landing: rotation of the swing foot up to which it settles flat at impact [rad]; steeper is a stumble.
 
     Raises:
         SimulationError: disturbances under continuous control.
@@ -57,7 +59,8 @@ class SimulationSettings:
     atol: float = 1e-11
     record_rate: float = 250.0
     disturbances: Disturbances = field(default_factory=Disturbances)
+    flat_landing: float = FLAT_LANDING
 
     def __post_init__(self) -> None:
         if self.disturbances.any and self.period is None:
-            raise SimulationError("noise and pushes act on sampled control; give a control period")
+            raise SimulationError("disturbances act on sampled control; give a control period")

@@ -226,6 +226,7 @@ def with_ends(
     end: float,
     end_pose: FloatArray,
     start_fri: float | None = None,
+    spread: bool = False,
 ) -> Phase:
     """The phase with other ends: columns 0, 1 and M are given, M - 1 keeps the final slope, the rest follow.
 
@@ -237,6 +238,7 @@ def with_ends(
         end: beta at its end [rad].
         end_pose: (3,) q_b there [rad].
         start_fri: FRI target at the start [m]; default: the phase's own.
+        spread: let the inner columns follow the start as well, the nearer the more, instead of staying where they are?
     """
     M = phase.degree
     length = end - start
@@ -244,6 +246,8 @@ def with_ends(
     final_slope = M * (old[:, -1] - old[:, -2]) / phase.range
     # the inner columns move with the end, the nearer the more
     columns = old + (end_pose - old[:, -1])[:, None] * (np.arange(M + 1) / M) ** 2
+    if spread:
+        columns += (start_pose - old[:, 0])[:, None] * (1.0 - np.arange(M + 1) / M)
     columns[:, -1] = end_pose
     columns[:, -2] = end_pose - final_slope * length / M
     columns[:, 0] = start_pose

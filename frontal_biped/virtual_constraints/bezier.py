@@ -24,6 +24,18 @@ def bernstein(degree: int, s: FloatArray | float) -> FloatArray:
     return binomials * s**k * (1.0 - s) ** (degree - k)
 
 
+def bernstein_at(degree: int, s: float) -> FloatArray:
+    """(degree + 1,) Bernstein polynomials at one s, in plain numbers: a control tick has one."""
+    t, up, down = 1.0 - s, 1.0, 1.0
+    values = _binomials(degree)[0].tolist()
+    for k in range(1, degree + 1):
+        up *= s
+        down *= t
+        values[k] *= up
+        values[degree - k] *= down
+    return np.array(values)
+
+
 def bernstein_derivative(degree: int, s: FloatArray | float, order: int) -> FloatArray:
     """(..., degree + 1) derivative of the given order of the Bernstein polynomials with respect to s."""
     if order > degree:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.virtual_constraints.bezier import bernstein, bernstein_derivative, elevate
+from frontal_biped.virtual_constraints.bezier import bernstein, bernstein_at, bernstein_derivative, elevate
 
 
 class StepPhase(Enum):
@@ -105,8 +105,9 @@ class Phase:
 
     def desired(self, beta: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
         """h_d (3,), dh_d/dbeta (3,), d2h_d/dbeta2 (3,) and the FRI target at one beta: what a control tick needs."""
-        values = self._table @ bernstein(self._table.shape[1] - 1, (beta - self.beta_start) / self.range)
-        return values[:3], values[3:6], values[6:9], float(values[9])
+        table = self._table
+        values = table.dot(bernstein_at(table.shape[1] - 1, (float(beta) - self.beta_start) / self.range))
+        return values[:3], values[3:6], values[6:9], values.item(9)
 
     @cached_property
     def _table(self) -> FloatArray:

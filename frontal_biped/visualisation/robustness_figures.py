@@ -78,9 +78,11 @@ def return_map(card: RobustnessCard) -> "Figure":
     """
     figure = new_figure("return_map", 4.2)
     ax = figure.add_subplot()
-    speeds = np.array(card.sampled_speeds)
-    ax.plot(speeds, speeds, color=BLACK, linewidth=0.8, label="unchanged")
-    for k, ((name, values), (colour, marker, line)) in enumerate(zip(card.sampled_maps.items(), _LOOKS, strict=False)):
+    widest = np.array([pair[0] for pairs in card.sampled_maps.values() for pair in pairs])
+    ends = [widest.min(initial=1.0), widest.max(initial=1.0)]
+    ax.plot(ends, ends, color=BLACK, linewidth=0.8, label="unchanged")
+    for k, ((name, pairs), (colour, marker, line)) in enumerate(zip(card.sampled_maps.items(), _LOOKS, strict=False)):
+        speeds, values = np.array(pairs).T
         ax.plot(speeds, values, color=colour, linestyle=line, marker=marker, markersize=3.0, label=name)
         basin, height = card.basins[name], -0.12 * (k + 1)
         ax.plot([basin.low, basin.high], [height, height], color=colour, linewidth=5.0, alpha=0.7)

@@ -6,7 +6,8 @@ import pytest
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation import Disturbances, Push, SimulationSettings
-from frontal_biped.simulation.disturbances import NoisyEncoders, PelvisForce
+from frontal_biped.simulation.pushes import PelvisForce, along_h
+from frontal_biped.simulation.sensors import NoisyEncoders, Sensors
 from frontal_biped.walking import simulate
 
 PERIOD = 1e-3
@@ -24,10 +25,10 @@ def test_force_at_the_pelvis_does_the_work_of_its_point(biped):
 
 
 def test_direction_of_a_push_is_the_worlds(biped):
-    push = Disturbances(pushes=(Push(0.1, 0.05, 2.0),))
-    assert push.lateral_force(0.12, Stance.LEFT) == pytest.approx(-40.0)
-    assert push.lateral_force(0.12, Stance.RIGHT) == pytest.approx(40.0)
-    assert push.lateral_force(0.16, Stance.LEFT) == 0.0
+    force = Push(0.1, 0.05, 2.0).force
+    assert along_h(force(0.12), Stance.LEFT) == pytest.approx(-40.0)
+    assert along_h(force(0.12), Stance.RIGHT) == pytest.approx(40.0)
+    assert force(0.16) == 0.0
 
 
 def test_push_changes_the_momentum_by_its_impulse(biped, robust_gait):
@@ -61,7 +62,7 @@ def test_same_seed_same_run_other_seed_another(biped, robust_gait):
 
 def test_observer_without_noise_follows_the_state(biped, robust_gait):
     q, dq = robust_gait.state_after_impact()
-    observer = NoisyEncoders(biped, 0.0, np.random.default_rng(0), q, dq + 0.05)
+    observer = NoisyEncoders(biped, Sensors(Disturbances()), q, dq + 0.05)
     u, true_q, true_dq = 0.9 * biped.G(q), q.copy(), dq.copy()
     for _ in range(150):
         observer.advance(u, PERIOD)

@@ -1,6 +1,6 @@
 """What robustness costs and what higher degrees buy: two figures, made by designing some thirty gaits.
 
-    python examples/design_studies.py --out studies
+    python examples/11_design_studies.py --out studies
 
 You should see the cost rise from 210.2 N^2 m s as more energy is kept in hand before tipping, to 300.4 at a margin of
 2, and fall by 4 % from degree 4 of the joints and 1 of the FRI (215.7) to degrees 8 and 3 (207.7).

@@ -1,0 +1,60 @@
+"""Push the robot at the pelvis, and see which stabiliser brings it back.
+
+The frontal gait must never pass its energy barrier: pushed outwards it tips over the stance foot. The ankle law shifts
+the FRI target inside the sole, at each impact and reversal; the step law chooses where to put the foot.
+
+You should see:
+
+    mass 60.7 kg, J = 405.6 N^2 m s, pushed outwards just after the first impact
+      10 N s, adaptive  walks on; speed error after 4 steps 23 %
+      10 N s, ankle     walks on; speed error after 4 steps 0 %
+      20 N s, adaptive  falls: the swing foot landed on its edge
+      20 N s, ankle     walks on; speed error after 4 steps 0 %
+      24 N s, adaptive  falls: the swing foot touched the ground before the reversal
+      24 N s, ankle     falls: the swing foot touched the ground before the reversal
+
+Try the shipped specification: `load_specification("robust")` is the gait to push.
+"""
+
+import numpy as np
+
+import frontal_biped as fb
+from frontal_biped.simulation import Disturbances
+from frontal_biped.simulation.disturbances import Push
+
+PERIOD = 1e-3  # [s]
+DURATION = 0.05  # [s] of a push
+STEPS = 4
+IMPULSES = (10.0, 20.0, 24.0)  # [N s]
+
+
+def main() -> None:
+    """Three pushes, two stabilisers."""
+    robot = fb.load_robot("frontal_biped")
+    gait = fb.design_gait(robot, fb.GaitSpecification(max_pelvis_roll=float(np.radians(5.0)))).gait
+    assert gait is not None
+    start = 0.02 * float(gait.step(robot).rising.duration)  # the first step stands on the left foot ...
+    print(f"mass {robot.mass:.1f} kg, J = {gait.orbit.cost:.1f} N^2 m s, pushed outwards just after the first impact")
+    for impulse in IMPULSES:
+        for stabiliser in ("adaptive", "ankle"):
+            push = Push(start, DURATION, impulse)  # ... so to the left is outwards
+            run = fb.simulate(
+                robot,
+                gait,
+                steps=STEPS,
+                period=PERIOD,
+                stabiliser=stabiliser,
+                disturbances=Disturbances(pushes=(push,)),
+            )
+            if run.fell:
+                print(f"{impulse:4.0f} N s, {stabiliser:8}  falls: {run.outcome}")
+                continue
+            error = run.post_impact_states()[-1, 4] / gait.orbit.beta_dot_after_impact - 1.0
+            print(
+                f"{impulse:4.0f} N s, {stabiliser:8}  walks on; speed error after {STEPS} steps {100.0 * error:.0f} %"
+            )
+            assert abs(error) < 0.01 or stabiliser == "adaptive"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,84 @@
+"""Limits the walking controller keeps: contact, torques, and joints.
+
+**Joints.** Positions and speeds are held inside their limits by bounds on the acceleration, an exponential control
+barrier function (Nguyen and Sreenath, ACC 2016) with both poles at r. Of an upper limit the distance h = q_max - q obeys
+
+    ddh + 2 r dh + r^2 h >= 0,   that is   ddq + 2 r dq <= r^2 (q_max - q),
+
+so that a joint with dh + r h >= 0, h >= 0 never leaves its range; of the speed, ddq <= 2 r (dq_max - dq), that is
+ddq + 2 r dq <= 2 r dq_max. With that second rate, inside the ranges, some acceleration always meets all four bounds.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+
+
+class ContactLimits(NamedTuple):
+    """Limits of contact and motors.
+
+    Attributes:
+        friction: coefficient of friction [-].
+        min_normal_force: smallest normal force [N].
+        fri_outer: outermost FRI [m], negative.
+        fri_inner: innermost FRI [m].
+        max_torque: (4,) [N m].
+    """
+
+    friction: float
+    min_normal_force: float
+    fri_outer: float
+    fri_inner: float
+    max_torque: FloatArray
+
+    def keeps(self, generalized_forces: list[float]) -> bool:
+        """Are F_h, F_v [N], N_0 [N m] and the four torques [N m] within the limits?"""
+        F_h, F_v, N_0, u_1, u_2, u_3, u_4 = generalized_forces
+        most = self.max_torque
+        return bool(
+            F_v >= self.min_normal_force
+            and abs(F_h) <= self.friction * F_v
+            and self.fri_outer * F_v <= N_0 <= self.fri_inner * F_v
+            and abs(u_1) <= most[0]
+            and abs(u_2) <= most[1]
+            and abs(u_3) <= most[2]
+            and abs(u_4) <= most[3]
+        )
+
+
+class JointLimits:
+    """Bounds on the accelerations that keep the joints inside their ranges.
+
+    Args:
+        lower: (4,) lowest positions [rad]; -inf where there is no limit.
+        upper: (4,) highest positions [rad].
+        max_velocity: (4,) largest speeds [rad/s].
+        rate: r, the rate at which a limit may be approached [1/s].
+    """
+
+    def __init__(self, lower: FloatArray, upper: FloatArray, max_velocity: FloatArray, rate: float) -> None:
+        self.rate = rate
+        self._lower, self._upper = rate**2 * lower, rate**2 * upper
+        self._velocity = 2.0 * rate * max_velocity
+        # the same in plain numbers: on four joints NumPy's calls would cost more than the arithmetic
+        self._ranges = list(zip(self._lower.tolist(), self._upper.tolist(), self._velocity.tolist(), strict=True))
+
+    def bounds(self, q: FloatArray, dq: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(4,) least and (4,) largest ddq [rad/s^2] at q (4,) [rad], dq (4,) [rad/s]."""
+        pull, drag = self.rate**2 * q, 2.0 * self.rate * dq
+        upper = np.minimum(self._upper - pull, self._velocity) - drag
+        lower = np.maximum(self._lower - pull, -self._velocity) - drag
+        return np.minimum(lower, upper), upper  # they cross only far outside a range
+
+    def keeps(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> bool:
+        """Is ddq (4,) [rad/s^2] within the bounds?"""
+        r, twice = self.rate**2, 2.0 * self.rate
+        for (lower, upper, fastest), at, speed, change in zip(
+            self._ranges, q.tolist(), dq.tolist(), ddq.tolist(), strict=True
+        ):
+            asked = change + twice * speed
+            if not (-fastest <= asked <= fastest and lower <= asked + r * at <= upper):
+                return False
+        return True

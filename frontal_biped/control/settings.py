@@ -1,0 +1,36 @@
+"""Settings of the walking controller."""
+
+from dataclasses import dataclass
+
+from frontal_biped.gait import Gait
+
+
+@dataclass(frozen=True)
+class ControllerSettings:
+    """Settings of the controller.
+
+    Attributes:
+        frequency: natural frequency of the output error dynamics [rad/s].
+        damping: damping ratio of the output error dynamics [-].
+        friction: coefficient of friction of the cone [-].
+        min_normal_force: smallest normal force, as a fraction of the weight [-].
+        max_torque: torque limits, chain order [N m]; None: the robot's.
+        joint_rate: rate at which a joint may approach the limits of its range and speed [1/s]; None: no such limits.
+        accuracy: absolute tolerance of the quadratic program.
+        max_iterations: of the quadratic program's outer loop.
+    """
+
+    frequency: float = 30.0
+    damping: float = 1.0
+    friction: float = 0.6
+    min_normal_force: float = 0.1
+    max_torque: tuple[float, float, float, float] | None = None
+    joint_rate: float | None = None
+    accuracy: float = 1e-9
+    max_iterations: int = 80
+
+    @classmethod
+    def for_gait(cls, gait: Gait) -> "ControllerSettings":
+        """Defaults, with the friction, normal force and torque limits that the gait was designed for."""
+        shared = ("friction", "min_normal_force", "max_torque")
+        return cls(**{key: gait.specification[key] for key in shared if key in gait.specification})

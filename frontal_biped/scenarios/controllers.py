@@ -1,0 +1,116 @@
+"""The controller of a trial: one of the package's, or the user's own by "module:factory"."""
+
+import importlib
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from frontal_biped.control.controller import QpController
+from frontal_biped.control.settings import ControllerSettings
+from frontal_biped.control.stabilisers import make_stabiliser
+from frontal_biped.control.walker import Walker
+from frontal_biped.exceptions import FrontalBipedError, ScenarioError
+from frontal_biped.scenarios.preparation import Conditions, Prepared
+from frontal_biped.walking import sampled_frequency
+
+QP_STABILISER = "ankle+step"
+"""Of the controller that is told state and events, where the scenario names none."""
+
+Factory = Callable[..., Any]
+"""Called with robot, gait and ``period``, and the arguments of the scenario; returns a controller.
+
+A controller has ``tick(reading)`` and ``reset(stance, q, dq)`` as `Walker`, or ``begin(phase, q, dq)`` and
+``command(phase, q, dq)`` as `QpController`.
+"""
+
+
+def make_controller(prepared: Prepared, conditions: Conditions, own: Factory | object | None = None) -> Any:
+    """The controller of one trial.
+
+    Args:
+        prepared: scenario, robot and gait.
+        conditions: of the trial; the walker knows the delay.
+        own: a controller, or a factory of one, that takes the place of the scenario's.
+
+    Raises:
+        ScenarioError: the user's module or factory cannot be used; one line with the reason.
+    """
+    scenario = prepared.scenario
+    choice = scenario.controller
+    if own is None and choice.kind == "qp":
+        stabiliser = make_stabiliser(choice.stabiliser or QP_STABILISER, prepared.biped, prepared.gait)
+        return QpController(prepared.biped, prepared.gait, _settings(prepared), stabiliser)
+    if own is None and choice.kind == "walker":
+        delay = conditions.disturbances.delay if choice.delay is None else choice.delay
+        # what the scenario leaves open is the walker's own choice
+        named: dict[str, Any] = {} if choice.stabiliser is None else {"stabiliser": choice.stabiliser}
+        if choice.settings:
+            named["settings"] = _settings(prepared)
+        return Walker(
+            prepared.biped,
+            prepared.gait,
+            period=choice.period,
+            delay=choice.period * round(delay / choice.period),
+            **named,
+        )
+    where = f"{scenario.path}: controller = {choice.kind!r}" if own is None else "the controller given"
+    factory = _import(prepared) if own is None else own
+    if not _is_controller(factory):
+        if not callable(factory):
+            raise ScenarioError(f"{where}: {type(factory).__name__} is no factory; name a function of (robot, gait)")
+        try:
+            factory = factory(prepared.biped, prepared.gait, period=choice.period, **dict(choice.arguments))
+        except (FrontalBipedError, TypeError) as error:
+            raise ScenarioError(
+                f"{where}: the factory refused, {error}; it is called as (robot, gait, period=...)"
+            ) from None
+    if not _is_controller(factory):
+        raise ScenarioError(
+            f"{where}: {type(factory).__name__} is no controller; give it tick and reset as Walker has,"
+            " or begin and command as QpController has"
+        )
+    if scenario.simulator == "mujoco" and not hasattr(factory, "tick"):
+        raise ScenarioError(
+            f"{where}: begin and command are told state and events, which only our simulator can;"
+            ' give it tick and reset as Walker has, or write simulator = "ours"'
+        )
+    return factory
+
+
+def _is_controller(thing: object) -> bool:
+    if isinstance(thing, type):
+        return False  # a class is a factory
+    return (hasattr(thing, "tick") and hasattr(thing, "reset")) or (
+        hasattr(thing, "begin") and hasattr(thing, "command")
+    )
+
+
+def _settings(prepared: Prepared) -> ControllerSettings:
+    choice = prepared.scenario.controller
+    base = replace(ControllerSettings.for_gait(prepared.gait), frequency=sampled_frequency(choice.period))
+    try:
+        return replace(base, **dict(choice.settings))
+    except FrontalBipedError as error:
+        raise ScenarioError(f"{prepared.scenario.path}: [controller] {error}") from None
+
+
+def _import(prepared: Prepared) -> Factory:
+    """The factory named by the scenario; a module beside the scenario file is found there."""
+    scenario = prepared.scenario
+    where = f"{scenario.path}: controller = {scenario.controller.kind!r}"
+    module_name, _, name = scenario.controller.kind.partition(":")
+    folder = str(scenario.path.resolve().parent)
+    sys.path.insert(0, folder)
+    try:
+        module = importlib.import_module(module_name)
+    except ImportError as error:
+        raise ScenarioError(f"{where}: {error}; put {module_name}.py beside the scenario or install it") from None
+    except Exception as error:  # whatever the user's module does when it is imported
+        raise ScenarioError(f"{where}: importing it fails, {type(error).__name__}: {error}; mend the module") from None
+    finally:
+        sys.path.remove(folder)
+    if not hasattr(module, name):
+        raise ScenarioError(f"{where}: module {module_name!r} has no {name!r}; name one of its functions")
+    factory: Factory = getattr(module, name)
+    return factory

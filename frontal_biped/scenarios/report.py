@@ -1,0 +1,99 @@
+"""What scenarios came to: a table for people, Markdown for a README, JUnit XML for continuous integration."""
+
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Sequence
+from pathlib import Path
+
+from frontal_biped.files import write_text
+from frontal_biped.scenarios.monte_carlo import CONFIDENCE, ScenarioResult
+
+MOST_LISTED = 5
+"""Failed trials of one scenario that a table names."""
+
+_COLUMNS = ("scenario", "simulator", "steps", "trials", "passed", "output error", "step time", "torque", "F_h/F_v", "")
+_UNITS = ("", "", "each", "", f"{100 * CONFIDENCE:g} % interval", "rad", "off by", "of limit", "", "")
+
+
+def table(results: Sequence[ScenarioResult]) -> str:
+    """One line a scenario: trials passed with the interval of the rate, the largest measures over all trials, verdict.
+
+    Below it every expectation that did not hold.
+    """
+    rows = [_COLUMNS, _UNITS, *(_row(result) for result in results)]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(_COLUMNS))]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    for result in results:
+        failed = [trial for trial in result.results if not trial.passed]
+        for trial in failed[:MOST_LISTED]:
+            why = "; ".join(finding.text for finding in trial.failures)
+            lines.append(f"{result.scenario.name}, trial {trial.number} of seed {trial.seed}: {why}")
+        if len(failed) > MOST_LISTED:
+            lines.append(f"{result.scenario.name}: and {len(failed) - MOST_LISTED} more trials")
+        if failed and result.passed:
+            lines.append(f"{result.scenario.name}: that is as expected, survival = {result.scenario.expect.survival:g}")
+    return "\n".join(lines)
+
+
+def markdown(results: Sequence[ScenarioResult]) -> str:
+    """The table of a README: what each scenario shows, and what it came to."""
+    head = "| scenario | what it is up against | simulator | trials passed | step time off by | torque, of limit |"
+    lines = [head, "|---|---|---|---|---|---|"]
+    for result in results:
+        scenario, row = result.scenario, _row(result)
+        cells = (scenario.name, scenario.about, f"{row[1]}, {row[2]} steps", row[4], row[6], row[7])
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def _row(result: ScenarioResult) -> tuple[str, ...]:
+    survived = result.survival
+    rate = f"{survived.passed} of {survived.trials}"
+    if survived.trials > 1:
+        rate += f" ({100 * survived.low:.1f}..{100 * survived.high:.1f} %)"
+    return (
+        result.scenario.name,
+        result.scenario.simulator,
+        str(result.scenario.steps),
+        str(survived.trials),
+        rate,
+        f"{result.worst('output_error'):.2g}",
+        f"{100 * result.worst('step_time_error'):.2g} %",
+        f"{result.worst('torque'):.2f}",
+        f"{result.worst('friction'):.2f}",
+        "as expected" if result.passed else "FAILED",
+    )
+
+
+def write_junit(results: Sequence[ScenarioResult], path: Path) -> None:
+    """Write JUnit XML: one test suite a scenario, one test case a trial.
+
+    A scenario that expects only a share of its trials to pass is one test case.
+    """
+    root = ElementTree.Element("testsuites", name="frontal-biped trial")
+    for result in results:
+        scenario = result.scenario
+        partial = scenario.expect.survival < 1.0
+        suite = ElementTree.SubElement(root, "testsuite", name=scenario.name, time=f"{result.seconds:.3f}")
+        suite.set("tests", str(1 if partial else len(result.results)))
+        failures = 0
+        if partial:
+            case = ElementTree.SubElement(suite, "testcase", name="survival", classname=scenario.name)
+            case.set("time", f"{result.seconds:.3f}")
+            text = f"{result.survival.passed} of {result.survival.trials} trials passed"
+            if not result.passed:
+                failures = 1
+                message = f"{text}, expected a share of {scenario.expect.survival:g}"
+                ElementTree.SubElement(case, "failure", message=message).text = table([result])
+            ElementTree.SubElement(case, "system-out").text = text
+        for trial in () if partial else result.results:
+            case = ElementTree.SubElement(suite, "testcase", name=f"trial {trial.number}", classname=scenario.name)
+            case.set("time", f"{trial.seconds:.3f}")
+            if not trial.passed:
+                failures += 1
+                why = "; ".join(finding.text for finding in trial.failures)
+                ElementTree.SubElement(case, "failure", message=why).text = str(trial)
+            ElementTree.SubElement(case, "system-out").text = str(trial)
+        suite.set("failures", str(failures))
+        suite.set("errors", "0")
+    ElementTree.indent(root)
+    write_text(path, '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n")

@@ -1,0 +1,163 @@
+"""Run one trial of a scenario, in our simulator or in MuJoCo, and judge it."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from frontal_biped.gait import gait_to_dict
+from frontal_biped.scenarios.controllers import Factory, make_controller
+from frontal_biped.scenarios.expectations import Finding, judge, measures
+from frontal_biped.scenarios.preparation import Conditions, Prepared, conditions, prepare, trial_seed
+from frontal_biped.scenarios.scenario import Scenario
+from frontal_biped.simulation import SimulationSettings, Trajectory, simulate_walk
+
+OnStep = Callable[[int], None]
+
+
+@dataclass(frozen=True, eq=False)
+class TrialResult:
+    """One trial.
+
+    Attributes:
+        scenario: name of the scenario.
+        number: which of its trials, from 0.
+        seed: of the scenario's trials.
+        simulator: "ours" or "mujoco".
+        outcome: "completed", or what made the robot fall.
+        findings: every expectation, met or not.
+        measured: see `measures`.
+        drawn: numbers drawn for this trial.
+        seconds: wall time.
+        run: the recorded walk; None in a trial whose run was not kept.
+    """
+
+    scenario: str
+    number: int
+    seed: int
+    simulator: str
+    outcome: str
+    findings: tuple[Finding, ...]
+    measured: Mapping[str, float]
+    drawn: Mapping[str, float]
+    seconds: float
+    run: Trajectory | None = None
+
+    @property
+    def passed(self) -> bool:
+        """Do all expectations hold?"""
+        return all(finding.held for finding in self.findings)
+
+    @property
+    def failures(self) -> tuple[Finding, ...]:
+        """The expectations that do not hold."""
+        return tuple(finding for finding in self.findings if not finding.held)
+
+    def __str__(self) -> str:
+        drawn = ", ".join(f"{name} = {value:.4g}" for name, value in self.drawn.items())
+        head = f"{self.scenario} ({self.simulator}), trial {self.number} of seed {self.seed}"
+        lines = [head + (f": {drawn}" if drawn else "")]
+        lines += [f"  {'held  ' if finding.held else 'FAILED'}  {finding.text}" for finding in self.findings]
+        return "\n".join(lines)
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON; numbers that are not finite become None."""
+        return {
+            "number": self.number,
+            "passed": self.passed,
+            "outcome": self.outcome,
+            "findings": [{**asdict(finding), "value": _plain(finding.value)} for finding in self.findings],
+            "measured": {key: _plain(value) for key, value in self.measured.items()},
+            "drawn": dict(self.drawn),
+            "seconds": self.seconds,
+        }
+
+
+def run_scenario(
+    scenario: Scenario,
+    *,
+    number: int = 0,
+    seed: int | None = None,
+    controller: Factory | object | None = None,
+    on_step: OnStep | None = None,
+) -> TrialResult:
+    """Run one trial.
+
+    Args:
+        scenario: from `load_scenario`.
+        number: which of the scenario's trials, from 0; each draws its own noise, errors and pushes.
+        seed: of the trials; default: the scenario's.
+        controller: your own in place of the scenario's: an object with ``tick`` and ``reset`` as `Walker`, or with
+            ``begin`` and ``command`` as `QpController`, or a factory of one, called as (robot, gait, period=...).
+        on_step: called with the number of completed steps.
+
+    Returns:
+        What was found; a fall is an outcome, not an error. The same scenario, number and seed give the same run.
+
+    Raises:
+        ScenarioError: robot, gait or controller cannot be had; one line with file, field, value and remedy.
+        MissingExtraError: the scenario asks for MuJoCo, which is not installed.
+    """
+    return run_trial(prepare(scenario), number, seed, controller, on_step)
+
+
+def run_trial(
+    prepared: Prepared,
+    number: int = 0,
+    seed: int | None = None,
+    controller: Factory | object | None = None,
+    on_step: OnStep | None = None,
+) -> TrialResult:
+    """One trial of a scenario whose robot and gait are in place; arguments as `run_scenario`."""
+    began = time.perf_counter()
+    scenario = prepared.scenario
+    chosen_seed = scenario.seed if seed is None else seed
+    drawn = conditions(prepared, trial_seed(chosen_seed, number))
+    run = _walk(prepared, drawn, make_controller(prepared, drawn, controller), on_step)
+    marked = {"scenario": scenario.name, "trial": number, "seed": chosen_seed, "drawn": dict(drawn.drawn)}
+    run = replace(run, settings={**run.settings, "trial": marked})
+    measured = measures(prepared, run)
+    return TrialResult(
+        scenario.name,
+        number,
+        chosen_seed,
+        scenario.simulator,
+        run.outcome,
+        judge(prepared, run, measured),
+        measured,
+        drawn.drawn,
+        time.perf_counter() - began,
+        run,
+    )
+
+
+def _walk(prepared: Prepared, drawn: Conditions, controller: Any, on_step: OnStep | None) -> Trajectory:
+    scenario, biped, gait = prepared.scenario, prepared.biped, prepared.gait
+    settings = SimulationSettings(
+        steps=scenario.steps, period=scenario.controller.period, disturbances=drawn.disturbances
+    )
+    if scenario.flat_landing is not None:
+        settings = replace(settings, flat_landing=scenario.flat_landing)
+    q, dq = gait.state_after_impact()
+    dq = (1.0 + drawn.speed_error) * dq
+    kept = gait_to_dict(gait)
+    shared: dict[str, Any] = {
+        "errors": drawn.errors, "stance": scenario.stance, "on_step": on_step, "gait": kept
+    }  # fmt: skip
+    if scenario.simulator == "mujoco":
+        from frontal_biped.simulation.mujoco_walk import walk_in_mujoco
+
+        return walk_in_mujoco(biped, controller, q, dq, settings, **shared)
+    if hasattr(controller, "tick"):
+        from frontal_biped.simulation.sensed_walk import walk_sensed
+
+        return walk_sensed(biped, controller, q, dq, settings, **shared)
+    run = simulate_walk(biped, controller, q, dq, settings, **shared)
+    reported = {
+        key: int(getattr(controller, key)) for key in ("ticks", "unsolved", "declined") if hasattr(controller, key)
+    }
+    return replace(run, settings={**run.settings, "controller": {"kind": scenario.controller.kind, **reported}})
+
+
+def _plain(value: float) -> float | None:
+    return value if abs(value) < float("inf") else None

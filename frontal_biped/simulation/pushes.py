@@ -1,0 +1,128 @@
+"""Pushes: lateral forces on the pelvis, at a time of the run or at a moment of a step."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.exceptions import SimulationError
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.stance_map import Stance
+from frontal_biped.virtual_constraints.phase import StepPhase
+
+PROFILES = ("constant", "half-sine")
+
+_EARLY = 1e-9  # [s] so that a push that starts on a tick acts in it
+
+
+@dataclass(frozen=True)
+class Push:
+    """A lateral force on the pelvis for a while.
+
+    Attributes:
+        start: when it begins [s]: after the start of the run, or, with ``step`` and ``phase``, after the start of
+            that phase.
+        duration: [s].
+        impulse: of the whole push, positive to the robot's left [N s].
+        profile: "constant", or "half-sine": rising from zero and falling back.
+        height: of the point where it acts above the hip line, along the torso [m].
+        step: index of the step, from 0; None: ``start`` counts from the start of the run.
+        phase: "rising" (begins at the impact) or "falling" (begins at the reversal).
+
+    Raises:
+        SimulationError: a value that makes no push.
+    """
+
+    start: float
+    duration: float
+    impulse: float
+    profile: str = "constant"
+    height: float = 0.0
+    step: int | None = None
+    phase: str | None = None
+
+    def __post_init__(self) -> None:
+        if not self.duration > 0.0:
+            raise SimulationError(f"push: duration = {self.duration!r} s must be positive")
+        if not self.start >= 0.0:
+            raise SimulationError(f"push: start = {self.start!r} s must not be negative")
+        if self.profile not in PROFILES:
+            raise SimulationError(f"push: profile = {self.profile!r} is unknown; known: {', '.join(PROFILES)}")
+        if (self.step is None) is not (self.phase is None):
+            raise SimulationError("push: step and phase belong together; give both or neither")
+        if self.phase is not None and self.phase not in ("rising", "falling"):
+            raise SimulationError(f"push: phase = {self.phase!r}; write 'rising' or 'falling'")
+
+    def force(self, t: float) -> float:
+        """Force to the left at time t since whatever ``start`` counts from [N]."""
+        elapsed = t - self.start
+        if not -_EARLY <= elapsed < self.duration - _EARLY:
+            return 0.0
+        mean = self.impulse / self.duration
+        if self.profile == "constant":
+            return mean
+        return 0.5 * np.pi * mean * max(0.0, float(np.sin(np.pi * elapsed / self.duration)))
+
+
+class PushForces:
+    """The pushes of one run, as time and phases go by. Every engine tells it when a phase begins.
+
+    Args:
+        pushes: of the run.
+    """
+
+    def __init__(self, pushes: tuple[Push, ...]) -> None:
+        self._pushes = pushes
+        self._origin: list[float | None] = [0.0 if push.step is None else None for push in pushes]
+
+    def begin(self, t: float, step: int, phase: StepPhase) -> None:
+        """A phase of a step (from 0) begins at time t [s]; only its first beginning counts."""
+        for i, push in enumerate(self._pushes):
+            if self._origin[i] is None and push.step == step and push.phase == phase.name.lower():
+                self._origin[i] = t
+
+    def at(self, t: float) -> list[tuple[float, float]]:
+        """What acts at time t [s]: force to the left [N] and height of its point above the hip line [m]."""
+        acting = []
+        for push, origin in zip(self._pushes, self._origin, strict=True):
+            force = 0.0 if origin is None else push.force(t - origin)
+            if force != 0.0:
+                acting.append((force, push.height))
+        return acting
+
+    def lateral(self, t: float) -> float:
+        """Sum of the forces to the left [N]."""
+        return sum(force for force, _ in self.at(t))
+
+
+class PelvisForce:
+    """A horizontal force on the pelvis, as the robot feels it.
+
+    Args:
+        biped: the robot, on its stance foot.
+    """
+
+    def __init__(self, biped: FrontalBiped) -> None:
+        self.biped = biped
+        self._data = biped.pinned.createData()
+
+    def torques(self, q: FloatArray, force: float, height: float = 0.0) -> FloatArray:
+        """(4,) generalized forces [N m] of a force along h [N], ``height`` [m] above the middle of the hip line."""
+        model, data = self.biped.pinned, self._data
+        pin.computeJointJacobians(model, data, q)
+        ends = [pin.getJointJacobian(model, data, joint, pin.LOCAL_WORLD_ALIGNED)[0] for joint in (2, 3)]
+        torques = 0.5 * force * (ends[0] + ends[1])
+        # the pelvis turns with the first two joints, and a point above the hips then moves back
+        torques[:2] -= force * height * float(np.cos(self.biped.pelvis_roll(q)))
+        return torques
+
+    def height(self, q: FloatArray, height: float = 0.0) -> float:
+        """Height of the point where it acts above the ground under the stance foot [m]."""
+        middle = float(self.biped.joint_positions(q)[1:3, 1].mean())
+        return middle + height * float(np.cos(self.biped.pelvis_roll(q)))
+
+
+def along_h(force_to_the_left: float, stance: Stance) -> float:
+    """Force along h, from the stance foot towards the swing foot [N]."""
+    return -force_to_the_left if stance is Stance.LEFT else force_to_the_left

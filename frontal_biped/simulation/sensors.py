@@ -1,0 +1,137 @@
+"""What stands between the true state and the controller: readings with noise and steps, an observer, a delay."""
+
+from collections import deque
+from typing import NamedTuple
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.impact import impact
+from frontal_biped.simulation.disturbances import Disturbances
+
+OBSERVER_FREQUENCY = 80.0
+"""Natural frequency of the observer's error, critically damped [rad/s]."""
+
+
+class Measurement(NamedTuple):
+    """What the sensors tell; the fields of `Reading`.
+
+    Attributes:
+        time: [s].
+        joint_positions: (4,) URDF joint angles [rad].
+        joint_velocities: (4,) [rad/s]; None where the encoders are noisy or coarse, so that they must be estimated.
+        base_roll: rotation of the pelvis about +X [rad].
+        base_roll_rate: [rad/s].
+        contact: does the left, the right foot touch the ground?
+    """
+
+    time: float
+    joint_positions: FloatArray
+    joint_velocities: FloatArray | None
+    base_roll: float
+    base_roll_rate: float
+    contact: tuple[bool, bool]
+
+
+class Sensors:
+    """Encoders, inertial unit and foot contacts, in URDF joint order; the same for every engine.
+
+    Args:
+        disturbances: of the run.
+    """
+
+    def __init__(self, disturbances: Disturbances) -> None:
+        self.disturbances = disturbances
+        self._generator = disturbances.generator("sensors")
+
+    def joints(self, positions: FloatArray) -> FloatArray:
+        """(4,) readings of joint angles (4,) [rad]: noise, then the steps of the encoder."""
+        d = self.disturbances
+        read = positions
+        if d.encoder_noise:
+            read = read + d.encoder_noise * self._generator.standard_normal(4)
+        if d.quantisation:
+            read = d.quantisation * np.round(read / d.quantisation)
+        return read
+
+    def read(
+        self,
+        time: float,
+        joint_positions: FloatArray,
+        joint_velocities: FloatArray,
+        base_roll: float,
+        base_roll_rate: float,
+        contact: tuple[bool, bool],
+    ) -> Measurement:
+        """What the sensors make of the true values (units as in `Measurement`)."""
+        d = self.disturbances
+        joints = self.joints(joint_positions)
+        if d.imu_noise:
+            base_roll += d.imu_noise * float(self._generator.standard_normal())
+        if d.gyro_noise:
+            base_roll_rate += d.gyro_noise * float(self._generator.standard_normal())
+        velocities = None if d.noisy_sensors else joint_velocities
+        return Measurement(time, joints, velocities, base_roll, base_roll_rate, contact)
+
+
+class DelayLine:
+    """Torques on their way to the motors.
+
+    Args:
+        ticks: control periods from command to motor.
+    """
+
+    def __init__(self, ticks: int) -> None:
+        self._waiting: deque[FloatArray] = deque(maxlen=ticks + 1)
+        self._ticks = ticks
+
+    def push(self, commanded: FloatArray) -> FloatArray:
+        """Send this tick's torques (4,) [N m]; returns those that arrive now: at the start, the first ones sent."""
+        while len(self._waiting) < self._ticks:
+            self._waiting.append(commanded)
+        self._waiting.append(commanded)
+        return self._waiting[0]
+
+    def relabel(self) -> None:
+        """Stance coordinates change places at an impact; URDF joints do not, and need no call."""
+        self._waiting = deque((u[::-1] for u in self._waiting), maxlen=self._waiting.maxlen)
+
+
+class NoisyEncoders:
+    """Joint readings with noise, and the state a robot would make of them.
+
+    A Luenberger observer: the model predicts with the commanded torques, the readings correct position and velocity.
+    An impact is known from the foot's contact, so the estimate jumps by the impact map.
+
+    Args:
+        biped: the robot as the controller knows it.
+        sensors: its encoders.
+        q: (4,) configuration at the start [rad].
+        dq: (4,) velocities at the start [rad/s].
+    """
+
+    def __init__(self, biped: FrontalBiped, sensors: Sensors, q: FloatArray, dq: FloatArray) -> None:
+        self.biped, self.sensors = biped, sensors
+        self.q, self.dq = q.copy(), dq.copy()
+
+    def advance(self, u: FloatArray, h: float) -> None:
+        """Predict over h [s] under the commanded torques (4,) [N m], by a midpoint step."""
+        ddq = self.biped.forward_dynamics(self.q, self.dq, u)
+        middle = self.biped.forward_dynamics(self.q + 0.5 * h * self.dq, self.dq + 0.5 * h * ddq, u)
+        self.q = self.q + h * self.dq + 0.5 * h**2 * ddq
+        self.dq = self.dq + h * middle
+
+    def read(self, q: FloatArray, period: float) -> tuple[FloatArray, FloatArray]:
+        """Take a reading of the true q (4,) [rad]; returns the corrected estimate of q and dq."""
+        error = self.sensors.joints(q) - self.q
+        self.q = self.q + 2.0 * OBSERVER_FREQUENCY * period * error
+        self.dq = self.dq + OBSERVER_FREQUENCY**2 * period * error
+        return self.q, self.dq
+
+    def land(self, q_plus: FloatArray) -> None:
+        """Pass an impact; the landed foot's sole is flat, which the contact tells."""
+        landed = impact(self.biped, self.q, self.dq)
+        self.q, self.dq = landed.q_plus, landed.dq_plus
+        # the flat sole fixes the orientation of the new stance leg
+        self.q[0] = self.sensors.joints(q_plus)[0]

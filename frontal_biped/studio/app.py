@@ -1,0 +1,120 @@
+"""Start the studio, and end it cleanly: Ctrl+C, SIGTERM, or a closed terminal; no process stays, the port is free."""
+
+import contextlib
+import io
+import signal
+import socket
+import sys
+import threading
+import webbrowser
+from collections.abc import Iterator
+from pathlib import Path
+
+from frontal_biped.exceptions import FrontalBipedError, MissingExtraError
+from frontal_biped.studio.session import Session, State
+
+HOST = "127.0.0.1"  # this machine only; from another one, forward the port with ssh
+FIRST_PORT, PORTS = 8080, 100
+
+
+class Studio:
+    """A running studio; use it as a context manager, or call `close`.
+
+    Args:
+        robot: as for `load_robot`.
+        port: 0: the first free one from 8080 on.
+        folder: where gaits and pages are saved.
+
+    Raises:
+        MissingExtraError: viser is not installed.
+        FrontalBipedError: the robot cannot be loaded, or the port is taken.
+    """
+
+    def __init__(self, robot: str, port: int = 0, folder: Path = Path()) -> None:
+        try:
+            import viser
+        except ImportError:
+            raise MissingExtraError("the studio needs viser: pip install 'frontal-biped[viser]'") from None
+        from frontal_biped.studio.panel import Panel
+        from frontal_biped.studio.stage import Stage
+
+        chosen = _free_port(port)
+        self.session = Session(robot, folder)
+        try:
+            with contextlib.redirect_stdout(io.StringIO()):  # its banner; the address is printed by `run_studio`
+                self.server = viser.ViserServer(host=HOST, port=chosen, label="frontal_biped studio", verbose=False)
+        except BaseException:
+            self.session.close()
+            raise
+        self.url = f"http://{HOST}:{self.server.get_port()}/"
+        self._panel = Panel(self.server, self.session)
+        self._stage = Stage(self.server, self._panel.show_phase)
+        self._panel.speed.on_update(lambda _: self._stage.play(float(self._panel.speed.value)))
+        self.session.on_change = self._show
+        self.session.begin()
+
+    def speed(self, value: float) -> None:
+        """Play at a fraction of real time; 0 stands still."""
+        self._panel.speed.value = value
+
+    def close(self) -> None:
+        """Stop serving, end the workers, free the port."""
+        self.session.on_change = lambda _: None
+        self._stage.close()
+        self.session.close()
+        with contextlib.redirect_stdout(io.StringIO()):
+            self.server.stop()
+
+    def __enter__(self) -> "Studio":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _show(self, state: State) -> None:
+        with self.server.atomic():
+            self._panel.show(state)
+        self._stage.show(state.drawing, state.clip if state.drawing is not None else None, state.push_clip)
+
+
+def run_studio(robot: str, port: int = 0, open_browser: bool = True) -> None:
+    """Serve the studio until Ctrl+C or SIGTERM.
+
+    Args:
+        robot: as for `load_robot`.
+        port: 0: the first free one from 8080 on.
+        open_browser: open a browser, where there is a display.
+    """
+    from frontal_biped.visualisation.live import _has_display
+
+    with _ending() as ended, Studio(robot, port) as studio:
+        sys.stdout.write(f"Studio at {studio.url} (Ctrl+C to quit)\n")
+        sys.stdout.flush()
+        if open_browser and _has_display():
+            webbrowser.open(studio.url, new=2)
+        # in slices, so that Ctrl+C is served on every platform
+        while not ended.wait(0.2):
+            pass
+
+
+@contextlib.contextmanager
+def _ending() -> Iterator[threading.Event]:
+    """An event that Ctrl+C, SIGTERM and SIGHUP set, so that the way out is one and the same."""
+    ended = threading.Event()
+    signals = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    before = {number: signal.signal(number, lambda *_: ended.set()) for number in signals}
+    try:
+        yield ended
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _free_port(port: int) -> int:
+    for candidate in [port] if port else range(FIRST_PORT, FIRST_PORT + PORTS):
+        with contextlib.suppress(OSError), socket.socket() as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            probe.bind((HOST, candidate))
+            return candidate
+    asked = f"port {port} is in use" if port else f"no port from {FIRST_PORT} to {FIRST_PORT + PORTS - 1} is free"
+    raise FrontalBipedError(f"{asked}; name another one with --port")

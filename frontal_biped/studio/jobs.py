@@ -1,0 +1,210 @@
+"""What the studio's processes do: design, push, certify, draw. Plain functions of plain data, so they can travel.
+
+The first argument of each, ``tell``, takes a line of news; a robot is named as for `load_robot`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from frontal_biped.analysis import analyze
+from frontal_biped.design import ConstraintReport, GaitSpecification, check_constraints, design_gait
+from frontal_biped.gait import Gait, load_gait
+from frontal_biped.model import FrontalBiped, load_robot
+from frontal_biped.model.catalogue import models_dir
+from frontal_biped.robustness import INSTANTS, PERIOD, PUSH_DURATION, RECOVERED
+from frontal_biped.simulation import Disturbances
+from frontal_biped.simulation.disturbances import Push
+from frontal_biped.studio.drawing import Clip, Drawing, clip_of, drawing_of
+from frontal_biped.visualisation import animation_page, orbit_trajectory
+from frontal_biped.walking import simulate
+
+Tell = Callable[[str], None]
+
+LOOP_STEPS = 2
+"""Steps of the gait on screen: left and right, then it repeats."""
+
+STEPS_BEFORE, STEPS_AFTER = 1, 6
+"""Steps walked before and after a push."""
+
+PUSH_MOMENTS = dict(INSTANTS)
+"""When to push: place in the step by name, see `robustness.INSTANTS`."""
+
+PUSH_STABILISER = "ankle"
+
+
+@dataclass(frozen=True)
+class Designed:
+    """Outcome of a design.
+
+    Attributes:
+        gait: the gait, or None.
+        report: C01 to C09; None where no step exists.
+        message: one line: what was reached, or what stands in the way and what to relax.
+        seconds: wall time of the design.
+        clip: the gait as an animation; None without a gait.
+    """
+
+    gait: Gait | None
+    report: ConstraintReport | None
+    message: str
+    seconds: float
+    clip: Clip | None
+
+
+@dataclass(frozen=True)
+class Pushed:
+    """Outcome of a push.
+
+    Attributes:
+        recovered: did the robot walk on, back at its speed?
+        message: one line.
+        clip: the walk.
+    """
+
+    recovered: bool
+    message: str
+    clip: Clip
+
+
+@dataclass(frozen=True)
+class Certified:
+    """The closed-form certificate of a gait.
+
+    Attributes:
+        certified: periodic, stable, invariant, reversing where planned, within every constraint?
+        objections: what stands against it.
+        residual: the largest.
+        rows: (what, verdict) on the reversal point.
+    """
+
+    certified: bool
+    objections: tuple[str, ...]
+    residual: float
+    rows: tuple[tuple[str, str], ...]
+
+
+@lru_cache(maxsize=2)
+def robot(name: str) -> FrontalBiped:
+    """A robot, loaded once a process."""
+    return load_robot(name)
+
+
+def draw(tell: Tell, name: str) -> Drawing:
+    """Shapes, colours and camera of a robot and its surroundings."""
+    tell("drawing the robot")
+    return drawing_of(robot(name))
+
+
+def design(tell: Tell, name: str, specification: GaitSpecification, start: Gait | None) -> Designed:
+    """Design a gait, from another one where there is one.
+
+    Args:
+        tell: takes news.
+        name: of the robot.
+        specification: what the gait must satisfy.
+        start: a gait to start from.
+    """
+    biped = robot(name)
+
+    def show(iteration: int, cost: float, violation: float) -> None:
+        missed = f", constraints missed by {violation:.0e}" if violation > 1e-6 else ""
+        tell(f"designing: iteration {iteration}, J = {cost:.1f}{missed}")
+
+    tell("designing")
+    # from the present gait first: that is fast, where other starts and advice may take a minute
+    hurried = start is not None
+    result = design_gait(biped, specification, start=start, fall_back=not hurried, advise=not hurried, on_progress=show)
+    if result.gait is None and hurried:
+        tell("no way from the present gait; trying other starts, and what to relax")
+        result = design_gait(biped, specification)
+    clip = None if result.gait is None else gait_clip(biped, result.gait)
+    return Designed(result.gait, result.report, result.message, result.seconds, clip)
+
+
+def gait_clip(biped: FrontalBiped, gait: Gait) -> Clip:
+    """The periodic orbit as an animation that repeats."""
+    return clip_of(biped, orbit_trajectory(biped, gait, LOOP_STEPS, samples=41))
+
+
+def push(tell: Tell, name: str, gait: Gait, impulse: float, moment: str) -> Pushed:
+    """Push the robot at the pelvis, and see whether it walks on.
+
+    Args:
+        tell: takes news.
+        name: of the robot.
+        gait: what it walks.
+        impulse: positive outwards, away from the swing foot [N s].
+        moment: of `PUSH_MOMENTS`.
+    """
+    biped = robot(name)
+    orbit = gait.step(biped)
+    place = PUSH_MOMENTS[moment]
+    up, down = orbit.rising.duration, orbit.falling.duration
+    start = STEPS_BEFORE * (up + down) + (place * up if place <= 1.0 else up + (place - 1.0) * down)
+    # the left foot stands in steps 0, 2, ...; outwards is to the side of the foot that stands
+    impulse_to_the_left = impulse * (-1.0) ** STEPS_BEFORE
+    steps = STEPS_BEFORE + STEPS_AFTER
+    shove = Push(float(start), PUSH_DURATION, impulse_to_the_left)
+    tell("walking into the push")
+    run = simulate(
+        biped,
+        gait,
+        steps=steps,
+        period=PERIOD,
+        stabiliser=PUSH_STABILISER,
+        disturbances=Disturbances(pushes=(shove,)),
+        on_step=lambda done: tell(f"walking: step {done} of {steps}"),
+    )
+    sense = "outwards" if impulse > 0.0 else "inwards"
+    what = f"push of {abs(impulse):g} N s {sense}, {moment}"
+    if run.fell:
+        return Pushed(False, f"{what}: fell, {run.outcome}", clip_of(biped, run, shove))
+    errors = np.abs(run.post_impact_states()[:, 4] / gait.orbit.beta_dot_after_impact - 1.0)
+    if errors[-1] > RECOVERED:
+        left = f"speed still {100.0 * errors[-1]:.0f} % off after {STEPS_AFTER} steps"
+        return Pushed(False, f"{what}: walks on, but {left}", clip_of(biped, run, shove))
+    late = np.flatnonzero(errors > RECOVERED)
+    count = int(late[-1]) - STEPS_BEFORE + 1 if len(late) else 0
+    within = f"within {100.0 * RECOVERED:.0f} % of its speed after {count} step{'s' if count != 1 else ''}"
+    return Pushed(True, f"{what}: recovered, {within}", clip_of(biped, run, shove))
+
+
+def certify(tell: Tell, name: str, gait: Gait) -> Certified:
+    """The closed-form analysis with the number of reversal points; takes seconds."""
+    tell("counting reversal points")
+    analysis = analyze(robot(name), gait)
+    found = analysis.certificate
+    rows = () if found is None else tuple((title.strip(), text) for title, text in found.rows())
+    return Certified(analysis.certified, analysis.objections, max(analysis.residuals.values()), rows)
+
+
+def page(tell: Tell, name: str, gait: Gait) -> str:
+    """One self-contained page with the gait."""
+    tell("writing the page")
+    biped = robot(name)
+    return animation_page(biped, orbit_trajectory(biped, gait), title=f"{biped.name}: J = {gait.orbit.cost:.1f}")
+
+
+def shipped_gait(name: str) -> Gait | None:
+    """The gait that comes with a packaged robot, if one does and still fits."""
+    path = models_dir() / f"{name}.gait.json"
+    if "/" in name or not path.is_file():
+        return None
+    gait = load_gait(path)
+    return gait if gait.robot.fingerprint == robot(name).fingerprint else None
+
+
+def opening(tell: Tell, name: str, specification: GaitSpecification) -> Designed:
+    """The first gait of a robot: the one that comes with it where it suits the specification, or a design."""
+    gait = shipped_gait(name)
+    if gait is None or dict(gait.specification) != specification.as_dict():
+        return design(tell, name, specification, gait)
+    biped = robot(name)
+    report = check_constraints(biped, specification, gait.rising, gait.falling, gait.step(biped))
+    if not report.satisfied:
+        return design(tell, name, specification, gait)
+    message = f"J = {gait.orbit.cost:.4f} N^2 m s: the gait that comes with the robot"
+    return Designed(gait, report, message, 0.0, gait_clip(biped, gait))

@@ -1,0 +1,114 @@
+"""Every infeasible or malformed scenario: one line with file, field and remedy, and exit status 2."""
+
+import re
+
+import pytest
+
+from frontal_biped.cli import main
+
+MALFORMED = {
+    "unknown key": ("stepz = 3", "unknown key 'stepz'.*did you mean 'steps'"),
+    "unknown section": ("[expectations]\nsteps = 3", "unknown key 'expectations'.*did you mean"),
+    "no TOML": ("steps = = 3", "not valid TOML.*line 1"),
+    "steps of the wrong type": ('steps = "many"', "steps = 'many'.*whole number.*write"),
+    "no steps": ("steps = 0", "steps = 0.*at least|steps = 0.*from 1"),
+    "a seed below zero": ("seed = -1", "seed = -1.*whole number"),
+    "a flag that is none": ("slow = 1", "slow = 1.*true nor false"),
+    "an unknown simulator": ('simulator = "gazebo"', "simulator = 'gazebo'.*ours, mujoco"),
+    "an unknown robot": ('robot = "frontal_bipet"', "robot = 'frontal_bipet'.*did you mean 'frontal_biped'"),
+    "a robot file that is not there": ('robot = "my.toml"', "robot = .*my.toml.*no such file"),
+    "an unknown specification": ('gait = "robustt"', "gait = robustt.*did you mean 'robust'"),
+    "a gait file that is not there": ('gait = "my.gait.json"', r"gait = .*my\.gait\.json.*no such"),
+    "a specification with a bad key": ("[gait]\nfrictoin = 0.5", "gait = .*frictoin.*did you mean 'friction'"),
+    "a specification that no gait meets": ("[gait]\nstep_width = [3.0, 3.1]", "gait = .*step_width.*(reach|apart|3)"),
+    "an unknown controller": ('controller = "pid"', r"\[controller\] type = 'pid'.*walker, qp.*module:factory"),
+    "an unknown stabiliser": ('[controller]\nstabiliser = "magic"', r"\[controller\] stabiliser = 'magic'.*adaptive"),
+    "a gain of the wrong type": ('[controller]\nfrequency = "high"', r"\[controller\] frequency = 'high'.*number"),
+    "a gain below zero": ("[controller]\ndamping = -1.0", r"\[controller\] damping = -1.0.*below 0"),
+    "a controller key nobody knows": ("[controller]\ngain = 1.0", r"\[controller\]: unknown key 'gain'"),
+    "a period of a minute": ("[controller]\nperiod = 60.0", r"\[controller\] period = 60.0.*above 0.02 s"),
+    "arguments for a packaged controller": ("[controller]\narguments = {k = 1}", r"arguments = .*your own factory"),
+    "a module that is not there": (
+        'controller = "no_such_module:make"',
+        "no_such_module.*put no_such_module.py beside",
+    ),
+    "a factory that is not there": ('controller = "math:make_walker"', "'math' has no 'make_walker'"),
+    "a factory that makes no controller": (
+        'controller = "math:hypot"',
+        "math:hypot.*(refused|is no controller)",
+    ),
+    "qp in MuJoCo": ('simulator = "mujoco"\ncontroller = "qp"', 'controller = "qp" is told.*"walker"'),
+    "an unknown link": ("[model]\nmass = {torso = 1.1}", r"\[model\] mass.*unknown key 'torso'.*pelvis"),
+    "a weightless link": ("[model]\nmass = {pelvis = 0.0}", r"\[model\] mass pelvis = 0.0.*below 0.05"),
+    "a shift with one number": ("[model]\ncom = {pelvis = [0.01]}", r"\[model\] com pelvis = .*not a list of 2"),
+    "a draw beyond everything": ("[model]\nmass = {within = 1.5}", r"\[model\] mass within = 1.5.*above 0.9"),
+    "a section that is no table": ('disturbances = "all"', r"\[disturbances\] = 'all' is not a table"),
+    "negative noise": ("[disturbances]\nencoder_noise = -0.1", r"\[disturbances\] encoder_noise = -0.1.*below 0 rad"),
+    "a range upside down": (
+        "[disturbances]\nfriction = {from = 0.9, to = 0.3}",
+        r"\[disturbances\] friction = .*exchange them",
+    ),
+    "half a range": ("[disturbances]\nfriction = {from = 0.9}", r"\[disturbances\] friction = .*write {from"),
+    "friction around zero": ("[disturbances]\nfriction = {within = 0.3}", r"\[disturbances\] friction = .*write {from"),
+    "not a number": ("[disturbances]\ndelay = nan", r"\[disturbances\] delay = nan.*finite number"),
+    "one torque limit": ("[disturbances]\ntorque_limits = [50.0]", r"torque_limits = .*list of 2 numbers in N m"),
+    "more ground than steps": ("steps = 1\n[disturbances]\nground = [0.0, 0.0]", "ground has 2 heights for 1 steps"),
+    "a push without an impulse": ('[[push]]\nat = "impact of step 1"', r"\[\[push\]\] 1: impulse: missing"),
+    "a push at no time": ("[[push]]\nimpulse = 1.0", r"\[\[push\]\] 1: at: missing; write either"),
+    "a push at two times": ('[[push]]\nat = "impact of step 1"\ntime = 1.0\nimpulse = 1.0', "at = .*given beside time"),
+    "a push nobody understands": ('[[push]]\nat = "noon"\nimpulse = 1.0', "at = 'noon'.*not understood.*reversal of"),
+    "a push at step 0": ('[[push]]\nat = "impact of step 0"\nimpulse = 1.0', "at = .*steps from 1"),
+    "a push after a phase": (
+        '[[push]]\nat = "130 % of the rising phase of step 1"\nimpulse = 1.0',
+        "at = .*more than 100 %",
+    ),
+    "a push after the last step": (
+        'steps = 2\n[[push]]\nat = "impact of step 9"\nimpulse = 1.0',
+        "step 9.*raise steps",
+    ),
+    "a push after the end": ("steps = 2\n[[push]]\ntime = 99.0\nimpulse = 1.0", "time = 99 s.*ends at"),
+    "a push that lasts no time": (
+        "[[push]]\ntime = 0.1\nimpulse = 1.0\nduration = 0.0",
+        r"duration = 0.0.*below 0.0001 s",
+    ),
+    "an unknown profile": ('[[push]]\ntime = 0.1\nimpulse = 1.0\nprofile = "sine"', "profile = 'sine'.*half-sine"),
+    "an unknown expectation": ("[expect]\noutput_eror = 0.1", r"\[expect\]: unknown key 'output_eror'.*output_error"),
+    "an expectation that cannot be": ("steps = 3\n[expect]\nreturn_within = 5", "return_within = 5: only 3 steps"),
+    "tolerance for nothing": ("[expect]\nreturn_tolerance = 0.1", "return_tolerance without return_within"),
+    "a survival of 120 %": ("[expect]\nsurvival = 1.2", r"\[expect\] survival = 1.2.*above 1"),
+    "durations upside down": ("[expect]\nstep_duration = [0.8, 0.4]", "step_duration = .*exchange them"),
+    "slip in the rigid simulator": ("[expect]\nfoot_slip = 0.01", "foot_slip = 0.01.*foot rests.*mujoco"),
+    "the same trial ten times": ("repeat = 10", "repeat = 10.*nothing in the scenario is random"),
+    "a name that is no file's": ('name = "../push"', "name = '../push'.*letters"),
+}
+
+
+@pytest.mark.parametrize("case", MALFORMED)
+def test_one_line_and_status_2(case, write, capsys):
+    text, complaint = MALFORMED[case]
+    path = write(text)
+    assert main(["trial", str(path)]) == 2
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert error.count("\n") == 1
+    assert error.startswith(f"frontal-biped: error: {path}")
+    assert re.search(complaint, error), error
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["nowhere.toml"], "nowhere.toml: no such file"),
+        (["{}", "--repeat", "5"], "--repeat 5: nothing in the scenario is random"),
+        (["{}", "{}"], "has it too; give it another"),
+        (["{}", "--junit", "{}/junit.xml"], "is not a folder"),
+        (["{}", "--save", "{}"], "is not a folder"),
+    ],
+)
+def test_bad_command_lines_too(arguments, complaint, write, capsys):
+    path = write("steps = 1")
+    assert main(["trial", *(argument.format(path) for argument in arguments)]) == 2
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert error.count("\n") == 1
+    assert complaint in error
