@@ -16,8 +16,10 @@ from frontal_biped.model import FrontalBiped
 from frontal_biped.model.geometry import IntArray
 from frontal_biped.simulation import Trajectory
 from frontal_biped.simulation.disturbances import Push
+from frontal_biped.visualisation.markers import COM, CONTACT, draw_markers
 from frontal_biped.visualisation.meshcat_page import SceneRecorder
-from frontal_biped.visualisation.scene import COM, CONTACT, animate, draw_scene, frontal_camera
+from frontal_biped.visualisation.robot_shapes import draw_robot
+from frontal_biped.visualisation.scene import FIRST, ROBOT, Actor, animate, draw_room, robot_camera
 
 FPS = 30.0
 PREFIX = "/meshcat/"
@@ -105,7 +107,9 @@ def drawing_of(biped: FrontalBiped) -> Drawing:
 
     recorder = SceneRecorder()
     visualizer = meshcat.Visualizer(window=recorder)
-    draw_scene(visualizer, biped)
+    draw_room(visualizer)
+    draw_robot(visualizer[ROBOT], biped)
+    draw_markers(visualizer, biped)
     _draw_push(visualizer[PUSH], float(biped.chain.joints[1, 1]))
     poses = {c["path"]: _matrix(c["matrix"]) for c in recorder.commands if c["type"] == "set_transform"}
     shapes = []
@@ -114,7 +118,7 @@ def drawing_of(biped: FrontalBiped) -> Drawing:
             shape = _shape(command, poses.get(command["path"], np.eye(4)))
             if shape is not None:
                 shapes.append(shape)
-    return Drawing(tuple(shapes), frontal_camera(biped), _depth(biped, shapes))
+    return Drawing(tuple(shapes), robot_camera(biped), _depth(biped, shapes))
 
 
 def clip_of(biped: FrontalBiped, run: Trajectory, push: Push | None = None) -> Clip:
@@ -122,9 +126,11 @@ def clip_of(biped: FrontalBiped, run: Trajectory, push: Push | None = None) -> C
     import meshcat
 
     recorder = SceneRecorder()
-    animate(meshcat.Visualizer(window=recorder), biped, run, FPS)
+    animate(meshcat.Visualizer(window=recorder), [Actor(biped, run)], FPS)
     command = next(c for c in recorder.commands if c["type"] == "set_animation")
-    tracks = {part["path"].removeprefix(PREFIX): _track(part["clip"]["tracks"]) for part in command["animations"]}
+    tracks = {
+        part["path"].removeprefix(f"{PREFIX}{FIRST}/"): _track(part["clip"]["tracks"]) for part in command["animations"]
+    }
     frames = max(len(track.position) for track in tracks.values() if track.position is not None)
     times = float(run.t[0]) + np.arange(frames) / FPS
     at = np.clip(np.searchsorted(run.t, times, side="right") - 1, 0, len(run.t) - 1)
