@@ -80,6 +80,8 @@ def energy_barrier(
     for error, (colour, style) in zip(speed_errors, _LOOKS, strict=False):
         name = "gait" if error == 0.0 else f"{100.0 * error:+.0f} % speed".replace("-", "−")
         zeta = own * (1.0 + error) ** 2
+        if zeta >= top and not energy.reaches_barrier:
+            continue  # what lies beyond is not known
         if zeta >= top:
             _tipping(upper, lower, beta, growth, hill, zeta, name)
             continue
@@ -94,7 +96,7 @@ def energy_barrier(
         if fallen is not None:
             lower.plot(*fallen, color=colour, linestyle=style, linewidth=0.9)
             lower.plot(fallen[0][-1], fallen[1][-1], "s", color=colour, markersize=3.5)
-    if all(own * (1.0 + error) ** 2 < top for error in speed_errors):
+    if energy.reaches_barrier and all(own * (1.0 + error) ** 2 < top for error in speed_errors):
         tipping = TIPPING * top
         name = f"{100.0 * (np.sqrt(tipping / own) - 1.0):+.0f} % speed"
         _tipping(upper, lower, beta, growth, hill, tipping, name)
