@@ -30,7 +30,7 @@ def watched(source: Path, robot: str | None, steps: int = VIEWED_STEPS) -> Watch
 
     if source.suffix == ".npz":
         run = load_trajectory(source)
-        if run.gait:
+        if "format" in run.gait:
             return _robot_of(_gait_of(run, source), argparse.Namespace(robot=robot)), run
         try:
             return load_robot(robot or run.robot), run

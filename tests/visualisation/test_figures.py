@@ -200,8 +200,7 @@ def test_robustness_figures_are_labelled():
         basins={"adaptive": Basin(0.6, 1.4, "", "")},
         sensitivity_norm={"adaptive": 1.7},
         barrier_margin=1.0,
-        sampled_speeds=tuple(speeds),
-        sampled_maps={"adaptive": tuple(1.0 + 0.8 * (speeds - 1.0))},
+        sampled_maps={"adaptive": tuple((float(s), 1.0 + 0.8 * (float(s) - 1.0)) for s in speeds)},
         push_stabiliser="ankle",
         pushes=(),
     )
