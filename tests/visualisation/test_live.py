@@ -128,10 +128,18 @@ def run_file(orbit, tmp_path_factory):
     return path
 
 
+def free_port():
+    """One far from 7000, which viewers of other tests take as soon as it is free."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
 @contextmanager
-def viewing(run_file, *arguments):
+def viewing(run_file, port=None):
     """`frontal-biped view` in a process of its own, and its address; killed at the end if it still runs."""
-    command = [sys.executable, "-m", "frontal_biped", "view", str(run_file), "--no-open", *arguments]
+    chosen = str(port or free_port())
+    command = [sys.executable, "-m", "frontal_biped", "view", str(run_file), "--no-open", "--port", chosen]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         line = process.stdout.readline()
@@ -182,10 +190,8 @@ def test_browsers_that_vanish_or_stall_do_no_harm(ending, run_file):
 
 
 def test_the_port_can_be_chosen_and_a_taken_one_is_named(run_file, capsys):
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    with viewing(run_file, "--port", str(port)) as (process, url):
+    port = free_port()
+    with viewing(run_file, port) as (process, url):
         assert url == f"http://127.0.0.1:{port}/"
         from frontal_biped.cli import main
 
