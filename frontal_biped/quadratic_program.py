@@ -5,17 +5,21 @@
 Bounds on single variables are rows of C: ProxQP's separate box constraints cannot be warm-started.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from proxsuite import proxqp
+from scipy.linalg.lapack import dgesv
 
 from frontal_biped.arrays import FloatArray
 
 UNBOUNDED = 1e20  # ProxQP's infinity
 DEFAULT_ACCURACY = 1e-9  # ProxQP's own default is too loose to rest a bound on
 DEFAULT_MAX_ITERATIONS = 200
+RETRY_PENALTY = 1.0  # mu; slower, and solves the two programs in a thousand that smaller ones stall on
+REFINED = 1e-10  # by how much a refined solution may overstep a row
+MAX_INNER_ITERATIONS = 300  # at each outer one; with the default of 1500 a lost problem may take a quarter of a second
 INFEASIBILITY = 1e-12  # tolerance of the infeasibility certificates
 _START = {
     True: proxqp.InitialGuess.WARM_START_WITH_PREVIOUS_RESULT,
@@ -69,6 +73,33 @@ class QpSolution:
         }
 
 
+def refined(qp: QuadraticProgram, solution: QpSolution) -> QpSolution:
+    """The solution to rounding: the linear system of the rows that a solver found active.
+
+    A solver's tolerance on the gradient is one on x only after division by the curvature of the cost. Where the
+    active rows are dependent, or the answer would overstep a bound or turn a multiplier's sign, the solution as it is.
+    """
+    x, y, z = solution.x, solution.y, solution.z
+    value = qp.C.dot(x)
+    high = qp.u - value < z
+    active = np.flatnonzero(high | (value - qp.l < -z))
+    n, p = len(x), len(y)
+    rows = np.concatenate([qp.A, qp.C[active]])
+    KKT = np.zeros((n + len(rows), n + len(rows)))
+    KKT[:n, :n], KKT[n:, :n], KKT[:n, n:] = qp.H, rows, rows.T
+    right = np.concatenate([-qp.g, qp.b, np.where(high, qp.u, qp.l)[active]])
+    *_, exact, singular = dgesv(KKT, right)
+    if singular:
+        return solution
+    new_z = np.zeros_like(z)
+    new_z[active] = exact[n + p :]
+    new = replace(solution, x=exact[:n], y=exact[n : n + p], z=new_z)
+    value = qp.C.dot(new.x)
+    kept = np.all(value - qp.l >= -REFINED) and np.all(qp.u - value >= -REFINED)
+    signs = np.all(np.where(high, new_z, -new_z)[active] >= 0.0)
+    return new if kept and signs else solution
+
+
 def _largest(values: FloatArray) -> float:
     return float(np.max(np.abs(values), initial=0.0))
 
@@ -80,6 +111,7 @@ class ProxQpSolver:
         accuracy: absolute tolerance on residuals.
         max_iterations: of the outer loop; ProxQP is slow to give up on an infeasible problem.
         retry: set up afresh and try once more when the accuracy is not reached?
+        relative: tolerance on residuals relative to the terms they are made of, beside ``accuracy``.
         penalty_parameter: ProxQP's mu of the inequalities at the start of a solve; None: its default of 0.1.
     """
 
@@ -88,10 +120,12 @@ class ProxQpSolver:
         accuracy: float = DEFAULT_ACCURACY,
         max_iterations: int = DEFAULT_MAX_ITERATIONS,
         retry: bool = True,
+        relative: float = 0.0,
         penalty_parameter: float | None = None,
     ) -> None:
         self.accuracy = accuracy
         self.retry = retry
+        self.relative = relative
         self.penalty_parameter = penalty_parameter
         self.max_iterations = max_iterations
         self._solver: Any = None
@@ -101,7 +135,7 @@ class ProxQpSolver:
         """Solve; a problem of the same shape as the last one starts from that one's answer.
 
         A warm-started solver can stall on penalties left over from its last problem, so one that does not reach its
-        accuracy is set up afresh and tried once more.
+        accuracy is set up afresh, with a softer penalty, and tried once more.
 
         Args:
             qp: the problem.
@@ -111,7 +145,7 @@ class ProxQpSolver:
         shape = (len(qp.g), len(qp.b), len(qp.l))
         fresh = self._solver is None or shape != self._shape
         if fresh:
-            self._set_up(qp, shape)
+            self._set_up(qp, shape, self.penalty_parameter)
         solver = self._solver
         if not fresh:
             solver.settings.initial_guess = _START[warm]
@@ -121,33 +155,38 @@ class ProxQpSolver:
         else:
             solver.settings.initial_guess = proxqp.InitialGuess.WARM_START
             solver.solve(guess, np.zeros(shape[1]), np.zeros(shape[2]))
-        started_warm = not fresh and (warm or guess is not None)
-        if self.retry and started_warm and solver.results.info.status != proxqp.PROXQP_SOLVED:
-            solver = self._set_up(qp, shape)
+        solution = self._answer(solver, qp)
+        if self.retry and not fresh and not solution.solved:
+            solver = self._set_up(qp, shape, RETRY_PENALTY)
             solver.solve()
-        results = solver.results
-        return QpSolution(
-            x=np.array(results.x),
-            y=np.array(results.y),
-            z=np.array(results.z),
-            solved=results.info.status == proxqp.PROXQP_SOLVED,
-            status=results.info.status.name,
-            iterations=int(results.info.iter),
-        )
+            self._solver = None  # the next problem is not asked of this one
+            solution = self._answer(solver, qp)
+        return solution
 
-    def _set_up(self, qp: QuadraticProgram, shape: tuple[int, int, int]) -> Any:
+    def _answer(self, solver: Any, qp: QuadraticProgram) -> QpSolution:
+        results = solver.results
+        status = results.info.status
+        solved = status == proxqp.PROXQP_SOLVED
+        x, y, z = np.array(results.x), np.array(results.y), np.array(results.z)
+        solution = QpSolution(x, y, z, solved, status.name, int(results.info.iter))
+        if not solved and max(solution.residuals(qp).values()) <= self.accuracy:
+            return replace(solution, solved=True)  # it was waiting for the rounding of its duality gap to vanish
+        return solution
+
+    def _set_up(self, qp: QuadraticProgram, shape: tuple[int, int, int], penalty_parameter: float | None) -> Any:
         solver = proxqp.dense.QP(*shape)
         solver.settings.eps_abs = self.accuracy
-        solver.settings.eps_rel = 0.0
+        solver.settings.eps_rel = self.relative
         solver.settings.max_iter = self.max_iterations
+        solver.settings.max_iter_in = MAX_INNER_ITERATIONS
         solver.settings.check_duality_gap = True
         solver.settings.eps_duality_gap_abs = self.accuracy
-        solver.settings.eps_duality_gap_rel = 0.0
+        solver.settings.eps_duality_gap_rel = self.relative
         # the default of 1e-4 calls feasible programs infeasible
         solver.settings.eps_primal_inf = INFEASIBILITY
         solver.settings.eps_dual_inf = INFEASIBILITY
-        if self.penalty_parameter is not None:
-            solver.settings.default_mu_in = self.penalty_parameter
+        if penalty_parameter is not None:
+            solver.settings.default_mu_in = penalty_parameter
         solver.settings.initial_guess = _START[False]
         solver.init(*qp)
         self._solver, self._shape = solver, shape

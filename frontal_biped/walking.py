@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -58,9 +59,7 @@ def simulate(
     base = simulation_settings or SimulationSettings()
     settings = replace(base, steps=steps, period=period, disturbances=disturbances or base.disturbances)
     chosen = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
-    if controller_settings is None and period is not None:
-        controller_settings = replace(ControllerSettings.for_gait(gait), frequency=sampled_frequency(period))
-    controller = QpController(biped, gait, controller_settings, chosen)
+    controller = QpController(biped, gait, controller_settings or sampled_settings(gait, period), chosen)
     q, dq = gait.state_after_impact()
     stored = {**asdict(controller.settings), "speed_error": speed_error, "stabiliser": chosen.name}
     run = simulate_walk(
@@ -75,8 +74,21 @@ def simulate(
         gait=gait_to_dict(gait),
         controller_settings=stored,
     )
-    counted = {**stored, "ticks": controller.ticks, "unsolved": controller.unsolved, "declined": controller.declined}
+    counters = ("ticks", "unsolved", "relaxed", "held", "declined")
+    counted = {**stored, **{name: getattr(controller, name) for name in counters}}
     return replace(run, settings={**run.settings, "controller": counted})
+
+
+def sampled_settings(gait: Gait, period: float | None, **changes: Any) -> ControllerSettings:
+    """Limits of the gait's specification, and with a period the gains of `sampled_frequency`.
+
+    Args:
+        gait: the gait.
+        period: control period [s]; None: continuous control.
+        changes: other fields of the settings.
+    """
+    settings = replace(ControllerSettings.for_gait(gait), **changes)
+    return settings if period is None else replace(settings, frequency=sampled_frequency(period))
 
 
 def simulated_multiplier(biped: FrontalBiped, gait: Gait, relative_step: float = 1e-4) -> float:

@@ -15,6 +15,7 @@ from frontal_biped.cli.demo import make_demo
 from frontal_biped.cli.main import SUCCESS, TASK_FAILED
 from frontal_biped.cli.progress import Progress
 from frontal_biped.cli.view import VIEWED_STEPS, watched
+from frontal_biped.control import ControllerSettings
 from frontal_biped.design import default_specification, design_gait, load_specification
 from frontal_biped.exceptions import FrontalBipedError, GaitFileError
 from frontal_biped.files import require_folder, require_parent
@@ -23,7 +24,7 @@ from frontal_biped.library import build_library, dask_executor, read_sweep, work
 from frontal_biped.model import FrontalBiped, load_robot
 from frontal_biped.robustness import robustness_card
 from frontal_biped.simulation import Disturbances, Trajectory, load_trajectory, save_trajectory
-from frontal_biped.walking import simulate
+from frontal_biped.walking import sampled_settings, simulate
 
 
 def run_demo(arguments: argparse.Namespace) -> int:
@@ -127,7 +128,16 @@ def run_simulate(arguments: argparse.Namespace) -> int:
         require_parent(arguments.output)
     period = None if arguments.continuous else 1.0 / arguments.rate
     disturbances = Disturbances(arguments.encoder_noise, arguments.torque_noise, seed=arguments.seed)
-    run = _walk(biped, gait, arguments.steps, period, arguments.speed_error, arguments.stabiliser, disturbances)
+    run = _walk(
+        biped,
+        gait,
+        arguments.steps,
+        period,
+        arguments.speed_error,
+        arguments.stabiliser,
+        disturbances,
+        sampled_settings(gait, period, outputs=arguments.controller),
+    )
     if arguments.output is not None:
         save_trajectory(run, arguments.output)
     _emit(
@@ -189,6 +199,7 @@ def _walk(
     speed_error: float = 0.0,
     stabiliser: str = "adaptive",
     disturbances: Disturbances | None = None,
+    controller_settings: ControllerSettings | None = None,
 ) -> Trajectory:
     with Progress("walking: step", steps) as progress:
         return simulate(
@@ -199,6 +210,7 @@ def _walk(
             speed_error=speed_error,
             stabiliser=stabiliser,
             disturbances=disturbances,
+            controller_settings=controller_settings,
             on_step=lambda done: progress.update("", done),
         )
 

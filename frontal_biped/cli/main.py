@@ -176,6 +176,12 @@ def _parser() -> argparse.ArgumentParser:
         default="adaptive",
         help="fixed, adaptive, ankle, step, step-lqr or ankle+step; default: adaptive",
     )
+    simulate.add_argument(
+        "--controller",
+        metavar="NAME",
+        default="linearising",
+        help="what drives the outputs: linearising, or clf, a control Lyapunov function; default: linearising",
+    )
     for name, unit in (("encoder", "rad"), ("torque", "relative")):
         simulate.add_argument(
             f"--{name}-noise",

@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.lyapunov import Decrease
 from frontal_biped.model.biped import BASE, FrontalBiped
 
 
@@ -23,12 +24,16 @@ class Targets(NamedTuple):
         h_d2_dbeta2: (3,) h_d'' dbeta^2 [rad/s^2].
         ddy: (3,) wanted output acceleration v [rad/s^2].
         p_fri: wanted FRI [m].
+        decrease: with a control Lyapunov function, the condition whose least v is ``ddy``; None without.
+        relaxation: delta of that v [rad/s^2].
     """
 
     h_d1: FloatArray
     h_d2_dbeta2: FloatArray
     ddy: FloatArray
     p_fri: float
+    decrease: Decrease | None = None
+    relaxation: float = 0.0
 
 
 class Motion(NamedTuple):
@@ -70,16 +75,17 @@ class StanceDynamics:
 
     def linearising(self, targets: Targets) -> Motion | None:
         """The motion that meets all targets; None where I_P vanishes."""
-        line = self._line
+        line, p_fri = self._line, targets.p_fri
         np.add(targets.ddy, targets.h_d2_dbeta2, out=line[0, BASE + 1 :])
         line[1, BASE + 1 :] = targets.h_d1
-        at, along = line.dot(self.M)  # M is symmetric
-        at += self.bias
-        divisor = along[2] - targets.p_fri * along[1]
+        forces, along = line.dot(self.M)  # M is symmetric
+        forces += self.bias
+        divisor = along.item(2) - p_fri * along.item(1)
         if divisor == 0.0:
             return None
-        ddbeta = (targets.p_fri * at[1] - at[2]) / divisor
+        ddbeta = (p_fri * forces.item(1) - forces.item(2)) / divisor
         along *= ddbeta
-        along += at
-        ddq = line[0, BASE:] + ddbeta * line[1, BASE:]
-        return Motion(ddq, along)
+        forces += along
+        ddq = line[1, BASE:] * ddbeta
+        ddq += line[0, BASE:]
+        return Motion(ddq, forces)

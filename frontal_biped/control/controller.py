@@ -2,20 +2,22 @@
 
 import logging
 from dataclasses import dataclass, replace
+from math import isfinite
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.closed_form import Targets
+from frontal_biped.control.lyapunov import LyapunovFunction, least_acceleration
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.torque_program import Source, TorqueProgram
 from frontal_biped.control.transitions import AdaptiveTransitions, FixedTransitions, Stabiliser
+from frontal_biped.control.walking_qp import OUTPUT_ACCELERATION
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait import Gait
 from frontal_biped.half_steps import Landed
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.phase import Phase, StepPhase
-
 
 _log = logging.getLogger(__name__)
 
@@ -32,6 +34,7 @@ class Command:
         dy: (3,) its rate [rad/s].
         p_fri_target: wanted FRI [m].
         source: where the torques come from.
+        relaxation: delta of the control Lyapunov function [rad/s^2], zero without one.
     """
 
     u: FloatArray
@@ -41,6 +44,7 @@ class Command:
     dy: FloatArray
     p_fri_target: float
     source: Source
+    relaxation: float = 0.0
 
     @property
     def solved(self) -> bool:
@@ -49,8 +53,9 @@ class Command:
 
 
 class QpController:
-    """Input-output linearisation of y = q_b - h_d(beta) with the FRI on its target, within the limits.
+    """Drives y = q_b - h_d(beta) to zero with the FRI on its target, within the limits.
 
+    By input-output linearisation, or by a control Lyapunov function (`ControllerSettings.outputs`).
     Where no torques keep every limit, the limits give way in order (see `relaxation`); where even that cannot be
     solved, or the state is not finite, the last command is given again. Both are logged (`logging`, level INFO) and
     counted.
@@ -63,6 +68,7 @@ class QpController:
         shortcut: take the program's closed form where no limit is active? False: ask ProxQP at every tick.
 
     Attributes:
+        lyapunov: the control Lyapunov function, or None.
         counts: commands given, by their source.
         declined: phases for which the stabiliser had no answer, walked as `AdaptiveTransitions` would.
     """
@@ -81,6 +87,9 @@ class QpController:
         self.program = TorqueProgram(biped, self.settings, shortcut)
         self._kp = self.settings.frequency**2
         self._kd = 2.0 * self.settings.damping * self.settings.frequency
+        clf = self.settings.outputs == "clf"
+        self.lyapunov = LyapunovFunction(self.settings.epsilon) if clf else None
+        self._price = self.settings.relaxation_price * OUTPUT_ACCELERATION
         self.counts = dict.fromkeys(Source, 0)
         self.declined = 0
         self._last: Command | None = None
@@ -136,33 +145,54 @@ class QpController:
         Returns:
             The command; ``source`` and ``solved`` say what it is worth.
         """
-        h_d, h_d1, h_d2, p_fri = self._phases[phase].desired(q[0])
-        rate = dq[0]
-        y, dy = q[1:] - h_d, dq[1:] - rate * h_d1
-        targets = Targets(h_d1, rate**2 * h_d2, -self._kd * dy - self._kp * y, p_fri)
+        if not isfinite(q.dot(q) + dq.dot(dq)):
+            return self._counted(self._held(), phase, q, dq, "the state is not finite")
+        targets, y, dy = self.targets(phase, q, dq)
         answer = self.program.solve(q, dq, targets)
         if answer is None:
-            command = self._held(y, dy, p_fri)
-        else:
-            command = Command(answer.u, answer.ddq, answer.force, y, dy, p_fri, answer.source)
-            self._last = command
-        self.counts[command.source] += 1
-        if not command.solved:
-            _log.info(
-                "%s, %s phase, beta %.4f rad, dbeta %.4f rad/s: no torques keep every limit; %s",
-                self.biped.name,
-                phase.value,
-                q[0],
-                rate,
-                "last command held" if answer is None else f"limits overstepped by up to {answer.violation:.2e}",
-            )
+            return self._counted(self._held(y, dy, targets.p_fri), phase, q, dq, "the relaxed program is not solved")
+        source, u, ddq, force, violation, delta = answer
+        command = Command(u, ddq, force, y, dy, targets.p_fri, source, delta)
+        self._last = command
+        if source is Source.RELAXED:
+            return self._counted(command, phase, q, dq, f"limits overstepped by up to {violation:.2e}")
+        self.counts[source] += 1
         return command
 
-    def _held(self, y: FloatArray, dy: FloatArray, p_fri: float) -> Command:
-        """The last command again; no torques before the first."""
-        zero = np.zeros(4)
-        last = self._last or Command(zero, zero, np.zeros(2), y, dy, p_fri, Source.HELD)
-        return replace(last, y=y, dy=dy, p_fri_target=p_fri, source=Source.HELD)
+    def _counted(self, command: Command, phase: StepPhase, q: FloatArray, dq: FloatArray, why: str) -> Command:
+        """A command that is not the program's own solution, counted and logged."""
+        self.counts[command.source] += 1
+        _log.info(
+            "%s, %s phase, beta %.4f rad, dbeta %.4f rad/s: no torques keep every limit, %s: %s",
+            self.biped.name,
+            phase.value,
+            q[0],
+            dq[0],
+            "last command held" if command.source is Source.HELD else "limits relaxed",
+            why,
+        )
+        return command
+
+    def targets(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> tuple[Targets, FloatArray, FloatArray]:
+        """What is asked of a state: targets, output y (3,) [rad] and its rate (3,) [rad/s]."""
+        h_d, h_d1, h_d2, p_fri = self._phases[phase].desired(q[0])
+        rate = float(dq[0])
+        y, dy = q[1:] - h_d, dq[1:] - rate * h_d1
+        if self.lyapunov is None:
+            ddy = dy * -self._kd
+            ddy -= y * self._kp
+            targets = Targets(h_d1, h_d2 * rate**2, ddy, p_fri)
+        else:
+            decrease = self.lyapunov.decrease(y, dy)
+            ddy, delta = least_acceleration(decrease, self._price)
+            targets = Targets(h_d1, h_d2 * rate**2, ddy, p_fri, decrease, delta)
+        return targets, y, dy
+
+    def _held(self, y: FloatArray | None = None, dy: FloatArray | None = None, p_fri: float | None = None) -> Command:
+        """The last command again, before the first no torques; output and target, where known, of this tick."""
+        none = Command(np.zeros(4), np.zeros(4), np.zeros(2), np.zeros(3), np.zeros(3), 0.0, Source.HELD)
+        held = replace(self._last or none, source=Source.HELD)
+        return held if y is None or dy is None or p_fri is None else replace(held, y=y, dy=dy, p_fri_target=p_fri)
 
     def phase(self, phase: StepPhase) -> Phase:
         """Virtual constraints of a phase, as the stabiliser last chose them."""

@@ -1,7 +1,7 @@
 """Limits the walking controller keeps: contact, torques, and joints.
 
 **Joints.** Positions and speeds are held inside their limits by bounds on the acceleration, an exponential control
-barrier function (Nguyen and Sreenath, ACC 2016) with both poles at r. Of an upper limit the distance h = q_max - q obeys
+barrier function (Nguyen and Sreenath, ACC 2016) with both poles at r. The distance h = q_max - q to a limit obeys
 
     ddh + 2 r dh + r^2 h >= 0,   that is   ddq + 2 r dq <= r^2 (q_max - q),
 

@@ -2,7 +2,10 @@
 
 from dataclasses import dataclass
 
+from frontal_biped.exceptions import SimulationError
 from frontal_biped.gait import Gait
+
+OUTPUTS = ("linearising", "clf")
 
 
 @dataclass(frozen=True)
@@ -18,6 +21,13 @@ class ControllerSettings:
         joint_rate: rate at which a joint may approach the limits of its range and speed [1/s]; None: no such limits.
         accuracy: absolute tolerance of the quadratic program.
         max_iterations: of the quadratic program's outer loop.
+        outputs: how the outputs are driven to zero: "linearising", to linear error dynamics, or "clf", by a control
+            Lyapunov function (see `lyapunov`).
+        epsilon: time scale of the control Lyapunov function [s].
+        relaxation_price: price rho of its relaxation [-].
+
+    Raises:
+        SimulationError: unknown ``outputs``.
     """
 
     frequency: float = 30.0
@@ -28,6 +38,13 @@ class ControllerSettings:
     joint_rate: float | None = None
     accuracy: float = 1e-9
     max_iterations: int = 80
+    outputs: str = "linearising"
+    epsilon: float = 0.003
+    relaxation_price: float = 1e3
+
+    def __post_init__(self) -> None:
+        if self.outputs not in OUTPUTS:
+            raise SimulationError(f"no controller {self.outputs!r}; known: {', '.join(OUTPUTS)}")
 
     @classmethod
     def for_gait(cls, gait: Gait) -> "ControllerSettings":

@@ -188,9 +188,7 @@ class Walker:
         if not self._sent:  # nothing else was on its way
             self._sent.extend([tau] * self._on_the_way)
         self._sent.append(tau)
-        return WalkerCommand(
-            tau, phase, self.stance, u, q, dq, command.y, command.p_fri_target, command.solved, event
-        )
+        return WalkerCommand(tau, phase, self.stance, u, q, dq, command.y, command.p_fri_target, command.solved, event)
 
     def counters(self) -> dict[str, int]:
         """What happened so far."""

@@ -16,7 +16,18 @@ and N_0 = u_1 - armature ddq_1 - h_a F_h + m_f g c_f the moment of the ground re
 ankle. Four targets meet four freedoms: while no limit is active both costs vanish, the solution is the input-output
 linearising torque with the FRI on its target, and the weights a_0 and T_0 do not matter. Inside the program u and F
 are in units of T_0 and m g, and every row likewise, so that one absolute tolerance fits all.
+
+With a control Lyapunov function (see `lyapunov`) v is no longer given; its place takes an inequality, relaxed by one
+more variable delta:
+
+    minimise    1/2 |ddy / a_0|^2 + rho delta / a_0 + 1/2 |(N_0 - p_FRI^d F_v) / T_0|^2
+    subject to  n . ddy + b <= delta,   delta >= 0,    and all of the above
+
+Output and FRI are four independent functions of ddq, so that here too the solution is known while no limit is active:
+the least v alone, with the FRI on its target.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,9 +41,16 @@ from frontal_biped.quadratic_program import UNBOUNDED, QuadraticProgram
 VARIABLES = 10
 OUTPUT_ACCELERATION = 10.0  # a_0 [rad/s^2]
 TORQUE_LEVER = 0.1  # T_0 = m g times this [m], of the order of a sole
-DDQ, U, FORCE = slice(0, 4), slice(4, 8), slice(8, 10)
-CONTACT, TORQUE, JOINT = slice(0, 5), slice(5, 9), slice(9, 13)
-"""Rows of the inequalities."""
+DDQ, U, FORCE, DELTA = slice(0, 4), slice(4, 8), slice(8, 10), 10
+
+
+class Rows(NamedTuple):
+    """Which inequalities are which; empty slices where a program has none."""
+
+    contact: slice
+    torque: slice
+    joint: slice
+    decrease: slice
 
 
 class WalkingQp:
@@ -42,15 +60,30 @@ class WalkingQp:
         biped: the robot.
         limits: of contact and motors.
         joints: of the joints' motion; None: none.
+        relaxation_price: rho of a control Lyapunov function; None: the output accelerations are given.
+
+    Attributes:
+        rows: which inequalities are which.
+        scale: (10,) units of ddq, u and F.
+        delta_unit: unit of delta in the program just built [rad/s^2].
     """
 
-    def __init__(self, biped: FrontalBiped, limits: ContactLimits, joints: JointLimits | None = None) -> None:
+    def __init__(
+        self,
+        biped: FrontalBiped,
+        limits: ContactLimits,
+        joints: JointLimits | None = None,
+        relaxation_price: float | None = None,
+    ) -> None:
         self.biped = biped
         self.limits = limits
         self.joints = joints
         T_0, F_0 = TORQUE_LEVER * biped.weight, biped.weight
         self._T_0, self._F_0 = T_0, F_0
-        self.scale = np.array([1.0] * 4 + [T_0] * 4 + [F_0] * 2)  # of the variables
+        self.scale = np.array([1.0] * 4 + [T_0] * 4 + [F_0] * 2)
+        n = VARIABLES if relaxation_price is None else VARIABLES + 1
+        last = 9 if joints is None else 13
+        self.rows = Rows(slice(0, 5), slice(5, 9), slice(9, last), slice(last, last + 2 * (n - VARIABLES)))
         self._dynamics = StanceDynamics(biped)
         # N_0 / T_0 = moment_row . x + moment_constant
         foot = biped.chain.bodies[0]
@@ -65,21 +98,27 @@ class WalkingQp:
         self._task[3] = moment_row
         self._goal = np.zeros(4)
         self._goal[3] = -moment_constant
-        A = np.zeros((6, VARIABLES))
-        A[:, 4:] = np.eye(6)
-        C = np.zeros((9 if joints is None else 13, VARIABLES))
-        C[0, 8:], C[1, 8:] = (1.0, limits.friction), (-1.0, limits.friction)
-        C[2], C[3] = moment_row, -moment_row
+        A = np.zeros((6, n))
+        A[:, 4:VARIABLES] = np.eye(6)
+        contact, torque, joint, decrease = self.rows
+        C = np.zeros((decrease.stop, n))
+        C[0, FORCE], C[1, FORCE] = (1.0, limits.friction), (-1.0, limits.friction)
+        C[2, :VARIABLES], C[3, :VARIABLES] = moment_row, -moment_row
         C[2, 9] -= limits.fri_outer * F_0 / T_0
         C[3, 9] += limits.fri_inner * F_0 / T_0
         C[4, 9] = 1.0
-        C[TORQUE, U] = np.eye(4)
+        C[torque, U] = np.eye(4)
         l, u = np.zeros(len(C)), np.full(len(C), UNBOUNDED)
-        l[CONTACT] = 0.0, 0.0, -moment_constant, moment_constant, limits.min_normal_force / F_0
-        l[TORQUE], u[TORQUE] = -limits.max_torque / T_0, limits.max_torque / T_0
+        l[contact] = 0.0, 0.0, -moment_constant, moment_constant, limits.min_normal_force / F_0
+        l[torque], u[torque] = -limits.max_torque / T_0, limits.max_torque / T_0
         if joints is not None:
-            C[JOINT, DDQ] = np.eye(4) / OUTPUT_ACCELERATION
-        self.program = QuadraticProgram(np.zeros((VARIABLES, VARIABLES)), np.zeros(VARIABLES), A, np.zeros(6), C, l, u)
+            C[joint, DDQ] = np.eye(4) / OUTPUT_ACCELERATION
+        self._relaxation_price = relaxation_price or 0.0
+        self.delta_unit = OUTPUT_ACCELERATION
+        if relaxation_price is not None:
+            C[decrease, DELTA] = -1.0, 1.0
+            l[decrease.start] = -UNBOUNDED
+        self.program = QuadraticProgram(np.zeros((n, n)), np.zeros(n), A, np.zeros(6), C, l, u)
 
     def move_to(self, q: FloatArray, dq: FloatArray) -> None:
         """Evaluate the dynamics at q (4,) [rad], dq (4,) [rad/s]: before any of the calls below."""
@@ -89,8 +128,8 @@ class WalkingQp:
     def closed_form(self, targets: Targets) -> Motion | None:
         """The solution where no limit is active; None where one would be overstepped.
 
-        Both costs of this motion are zero. Where it meets every constraint, no other can be better: it is the
-        program's optimum, with zero multipliers.
+        Both costs of this motion are zero (with a control Lyapunov function: the least of any v, and zero). Where it
+        meets every constraint, no other can be better: it is the program's optimum, the limits' multipliers zero.
         """
         motion = self._dynamics.linearising(targets)
         if motion is None or not self.limits.keeps(motion.forces.tolist()):
@@ -102,7 +141,7 @@ class WalkingQp:
     def build(self, targets: Targets) -> QuadraticProgram:
         """The program; its arrays are reused by the next call.
 
-        Its solution times `scale` is (ddq, u, F_h, F_v) in SI units.
+        The first ten variables of its solution times `scale` are (ddq, u, F_h, F_v) in SI units.
         """
         M, bias = self._dynamics.M, self._dynamics.bias
         program = self.program
@@ -113,11 +152,27 @@ class WalkingQp:
         task, goal = self._task, self._goal
         np.divide(targets.h_d1, -OUTPUT_ACCELERATION, out=task[:3, 0])
         task[3, 9] = -targets.p_fri * self._F_0 / self._T_0
-        np.divide(targets.ddy + targets.h_d2_dbeta2, OUTPUT_ACCELERATION, out=goal[:3])
-        np.dot(task.T, task, out=program.H)
-        np.dot(-goal, task, out=program.g)
+        drift = targets.h_d2_dbeta2
+        goal[:3] = (drift if targets.decrease else targets.ddy + drift) / OUTPUT_ACCELERATION
+        H, g = task.T.dot(task), goal.dot(task)
+        # off the gait h_d' and v may be thousands; the cost in units of its own size, or ProxQP stalls
+        unit = max(1.0, H.trace().item(), np.abs(g).max().item())
+        program.H[:VARIABLES, :VARIABLES] = H / unit
+        program.g[:VARIABLES] = g / -unit
         if self.joints is not None:
             lower, upper = self.joints.bounds(self._q, self._dq)
-            np.clip(lower / OUTPUT_ACCELERATION, -UNBOUNDED, UNBOUNDED, out=program.l[JOINT])
-            np.clip(upper / OUTPUT_ACCELERATION, -UNBOUNDED, UNBOUNDED, out=program.u[JOINT])
+            joint = self.rows.joint
+            np.clip(lower / OUTPUT_ACCELERATION, -UNBOUNDED, UNBOUNDED, out=program.l[joint])
+            np.clip(upper / OUTPUT_ACCELERATION, -UNBOUNDED, UNBOUNDED, out=program.u[joint])
+        if targets.decrease:
+            n, b = targets.decrease
+            row = self.rows.decrease.start
+            slope = -n.dot(targets.h_d1).item()
+            # the row, and delta with it, likewise
+            size = OUTPUT_ACCELERATION * max(1.0, abs(slope) / OUTPUT_ACCELERATION)
+            program.C[row, 0] = slope / size
+            program.C[row, 1:4] = n / size
+            program.u[row] = (n.dot(drift) - b) / size if n.any() else UNBOUNDED
+            program.g[DELTA] = self._relaxation_price * size / (OUTPUT_ACCELERATION * unit)
+            self.delta_unit = size
         return program

@@ -186,7 +186,7 @@ def test_limits_are_kept_in_adversity(robots, gaits, robot_name, case, tmp_path)
     assert expected[case] in active  # the case tests what it says
 
 
-def test_unsolvable_state_repeats_the_last_command(biped, reference_gait):
+def test_unsolvable_state_is_relaxed(biped, reference_gait):
     """At a speed that throws the robot off the ground no torque keeps the contact; the controller says so."""
     controller = QpController(biped, reference_gait)
     q, dq = reference_gait.state_after_impact()
@@ -195,7 +195,7 @@ def test_unsolvable_state_repeats_the_last_command(biped, reference_gait):
     flung = np.array([15.0, -15.0, 0.0, 0.0])
     command = controller.command(StepPhase.RISING, q, flung)
     assert not command.solved
-    assert np.array_equal(command.u, last.u)
+    assert np.all(np.abs(command.u) <= biped.max_torque)
     assert (controller.ticks, controller.unsolved) == (2, 1)
     again = controller.command(StepPhase.RISING, q, dq)  # and recovers
     assert again.solved
