@@ -44,6 +44,7 @@ RUNS = {
     "trial": [(["walk.scenario.toml"], None)],
     "view": [
         (["run.npz", "--html", "page.html"], "page.html"),
+        (["run.npz", "gait.json", "--ghost", "--html", "two.html"], "two.html"),
         (["talos_full.json", "--html", "talos.html"], "talos.html"),
     ],
     "export": [(["run.npz", "-o", "run.csv"], "run.csv")],

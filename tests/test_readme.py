@@ -40,7 +40,7 @@ def test_continuous_integration_runs_the_readme_command():
 
 def test_every_command_of_the_table_exists(capsys):
     named = set(re.findall(r"^\| `frontal-biped (\w+)", README, re.MULTILINE))
-    assert named >= {"demo", "design", "library", "analyze", "simulate", "view", "studio", "plot", "robots"}
+    assert named >= {"demo", "design", "library", "analyze", "simulate", "view", "studio", "export", "plot", "robots"}
     for command in named:
         assert main([command, "--help"]) == 0
     text = capsys.readouterr().out

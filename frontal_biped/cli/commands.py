@@ -223,7 +223,7 @@ def _load_source(arguments: argparse.Namespace, walk: bool) -> tuple[FrontalBipe
     source: Path = arguments.source
     if source.suffix == ".npz":
         run = load_trajectory(source)
-        if not run.gait:
+        if "format" not in run.gait:
             return watched(source, arguments.robot)[0], None, run
         gait = _gait_of(run, source)
         return _robot_of(gait, arguments), gait, run
