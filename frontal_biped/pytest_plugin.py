@@ -83,9 +83,9 @@ class ScenarioItem(pytest.Item):
             save=option("--scenario-save"),
         )
         self.user_properties.append(("survival", f"{result.survival.passed}/{result.survival.trials}"))
-        self.add_report_section("call", "scenario", table([result]))
         if not result.passed:
             raise ExpectationsFailedError(_explain(result))
+        self.add_report_section("call", "scenario", table([result]))
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         """The report or the one-line complaint; a traceback only for what nobody foresaw."""

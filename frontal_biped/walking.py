@@ -11,11 +11,16 @@ from frontal_biped.control.sampling import sampled_frequency as sampled_frequenc
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers import make_stabiliser
 from frontal_biped.control.transitions import Stabiliser
+from frontal_biped.control.walker import Walker
+from frontal_biped.exceptions import SimulationError
 from frontal_biped.gait import Gait, gait_to_dict
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.perturbation import ModelErrors
+from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.disturbances import Disturbances
+from frontal_biped.simulation.mujoco_walk import walk_in_mujoco
+from frontal_biped.simulation.sensed_walk import walk_sensed
 from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.simulation.simulate import simulate_walk
 from frontal_biped.simulation.trajectory import Trajectory
@@ -89,6 +94,73 @@ def sampled_settings(gait: Gait, period: float | None, **changes: Any) -> Contro
     """
     settings = replace(ControllerSettings.for_gait(gait), **changes)
     return settings if period is None else replace(settings, frequency=sampled_frequency(period))
+
+
+def walk(
+    biped: FrontalBiped,
+    gait: Gait,
+    *,
+    engine: str = "mujoco",
+    steps: int = 20,
+    period: float = 1e-3,
+    speed_error: float = 0.0,
+    stance: Stance = Stance.LEFT,
+    stabiliser: Stabiliser | str | None = None,
+    disturbances: Disturbances | None = None,
+    errors: ModelErrors | None = None,
+    controller_settings: ControllerSettings | None = None,
+    on_step: Callable[[int], None] | None = None,
+) -> Trajectory:
+    """Walk a gait under a `Walker`, which sees sensor readings only, in MuJoCo or in our own simulator.
+
+    Args:
+        biped: the robot as the walker believes it to be.
+        gait: the gait.
+        engine: "mujoco" (extra ``mujoco``) or "ours".
+        steps: landings after which to stop.
+        period: control period [s].
+        speed_error: relative error of the first post-impact speed.
+        stance: first stance foot.
+        stabiliser: a stabiliser, or one of `STABILISERS` by name; default: the walker's own.
+        disturbances: noise, delay, pushes, ground; the walker knows the delay.
+        errors: how the robot that walks differs from ``biped``.
+        controller_settings: gains and limits; default: the walker's own.
+        on_step: called with the number of completed steps.
+
+    Returns:
+        The run; a fall is an outcome, not an error.
+
+    Raises:
+        MissingExtraError: MuJoCo is not installed.
+        SimulationError: the engine is unknown.
+    """
+    if engine not in ENGINES:
+        raise SimulationError(f"no engine {engine!r}; known: {', '.join(ENGINES)}")
+    known = disturbances or Disturbances()
+    walker = Walker(
+        biped,
+        gait,
+        period=period,
+        settings=controller_settings,
+        stabiliser=stabiliser,
+        delay=period * known.delay_ticks(period),
+    )
+    q, dq = gait.state_after_impact()
+    settings = SimulationSettings(steps=steps, period=period, disturbances=known)
+    return ENGINES[engine](
+        biped,
+        walker,
+        q,
+        (1.0 + speed_error) * dq,
+        settings,
+        errors=errors,
+        stance=stance,
+        on_step=on_step,
+        gait=gait_to_dict(gait),
+    )
+
+
+ENGINES: dict[str, Callable[..., Trajectory]] = {"ours": walk_sensed, "mujoco": walk_in_mujoco}
 
 
 def simulated_multiplier(biped: FrontalBiped, gait: Gait, relative_step: float = 1e-4) -> float:

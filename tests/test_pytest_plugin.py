@@ -4,7 +4,7 @@ import pytest
 
 pytest_plugins = ["pytester"]
 
-GOOD = 'gait = "robust"\nsteps = 1\ncontroller = "qp"\n'
+GOOD = 'gait = "robust"\nsteps = 1\ncontroller = {type = "qp", stabiliser = "adaptive"}\n'
 BAD = GOOD + "[expect]\noutput_error = 1e-9\n"
 STRICT = ("-p", "no:cacheprovider", "-W", "error", "--strict-markers", "-n", "0")
 
@@ -51,6 +51,7 @@ def test_scenarios_are_tests_and_failures_are_told_without_a_traceback(outside):
     assert (outside.path / "runs" / "good-0.npz").is_file()
 
 
+@pytest.mark.slow
 def test_fixture_runs_a_controller_of_ones_own(outside):
     outside.makefile(".scenario.toml", good=GOOD, bad=BAD)
     outside.makepyfile(

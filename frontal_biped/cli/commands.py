@@ -17,14 +17,14 @@ from frontal_biped.cli.progress import Progress
 from frontal_biped.cli.view import VIEWED_STEPS, watched
 from frontal_biped.control import ControllerSettings
 from frontal_biped.design import default_specification, design_gait, load_specification
-from frontal_biped.exceptions import FrontalBipedError, GaitFileError
+from frontal_biped.exceptions import FrontalBipedError, GaitFileError, SimulationError
 from frontal_biped.files import require_folder, require_parent
 from frontal_biped.gait import Gait, gait_from_dict, load_gait, save_gait
 from frontal_biped.library import build_library, dask_executor, read_sweep, worker_processes
 from frontal_biped.model import FrontalBiped, load_robot
 from frontal_biped.robustness import robustness_card
 from frontal_biped.simulation import Disturbances, Trajectory, load_trajectory, save_trajectory
-from frontal_biped.walking import sampled_settings, simulate
+from frontal_biped.walking import sampled_settings, simulate, walk
 
 
 def run_demo(arguments: argparse.Namespace) -> int:
@@ -131,16 +131,29 @@ def run_simulate(arguments: argparse.Namespace) -> int:
         require_parent(arguments.output)
     period = None if arguments.continuous else 1.0 / arguments.rate
     disturbances = Disturbances(arguments.encoder_noise, arguments.torque_noise, seed=arguments.seed)
-    run = _walk(
-        biped,
-        gait,
-        arguments.steps,
-        period,
-        arguments.speed_error,
-        arguments.stabiliser,
-        disturbances,
-        sampled_settings(gait, period, outputs=arguments.controller),
-    )
+    if arguments.engine == "ours":
+        stabiliser = arguments.stabiliser or "adaptive"
+        settings = sampled_settings(gait, period, outputs=arguments.controller)
+        run = _walk(biped, gait, arguments.steps, period, arguments.speed_error, stabiliser, disturbances, settings)
+    elif period is None:
+        raise SimulationError("--continuous: a walker in MuJoCo reads its sensors at a rate; give --rate instead")
+    else:
+        # the walker's own settings, but for another law
+        linearising = arguments.controller == "linearising"
+        chosen = None if linearising else sampled_settings(gait, period, outputs=arguments.controller)
+        with Progress("walking in MuJoCo: step", arguments.steps) as progress:
+            run = walk(
+                biped,
+                gait,
+                engine=arguments.engine,
+                steps=arguments.steps,
+                period=period,
+                speed_error=arguments.speed_error,
+                stabiliser=arguments.stabiliser,
+                disturbances=disturbances,
+                controller_settings=chosen,
+                on_step=lambda done: progress.update("", done),
+            )
     if arguments.output is not None:
         save_trajectory(run, arguments.output)
     _emit(

@@ -178,10 +178,15 @@ def _parser() -> argparse.ArgumentParser:
         help="relative error of the first speed; default: 0",
     )
     simulate.add_argument(
+        "--engine",
+        choices=("ours", "mujoco"),
+        default="ours",
+        help="mujoco: MuJoCo's contact, and a walker that sees sensor readings only (extra mujoco); default: ours",
+    )
+    simulate.add_argument(
         "--stabiliser",
         metavar="NAME",
-        default="adaptive",
-        help="fixed, adaptive, ankle, step, step-lqr or ankle+step; default: adaptive",
+        help="fixed, adaptive, ankle, step, step-lqr or ankle+step; default: adaptive, in MuJoCo with the energy law",
     )
     simulate.add_argument(
         "--controller",

@@ -22,6 +22,11 @@ from frontal_biped.virtual_constraints.phase import Phase, StepPhase
 _log = logging.getLogger(__name__)
 
 
+SHIFT_ROOM = 0.7
+"""Share of the sole, from the ankle outwards, inside which a shifted FRI target stays [-]: a robot that is a fifth
+lighter than its model puts the FRI a fifth further out."""
+
+
 @dataclass(frozen=True)
 class Command:
     """Answer of one control tick.
@@ -134,13 +139,14 @@ class QpController:
             self.declined += 1
             return self._next_phase(self._fallback, phase, q, dq)
 
-    def command(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> Command:
+    def command(self, phase: StepPhase, q: FloatArray, dq: FloatArray, fri_shift: float = 0.0) -> Command:
         """Torques at a state.
 
         Args:
             phase: rising or falling.
             q: (4,) stance coordinates [rad].
             dq: (4,) their rates [rad/s].
+            fri_shift: moves the FRI target, inside the sole [m].
 
         Returns:
             The command; ``source`` and ``solved`` say what it is worth.
@@ -176,6 +182,9 @@ class QpController:
     def targets(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> tuple[Targets, FloatArray, FloatArray]:
         """What is asked of a state: targets, output y (3,) [rad] and its rate (3,) [rad/s]."""
         h_d, h_d1, h_d2, p_fri = self._phases[phase].desired(q[0])
+        if fri_shift:
+            outer, inner = self.biped.sole
+            p_fri = min(max(p_fri + fri_shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
         rate = float(dq[0])
         y, dy = q[1:] - h_d, dq[1:] - rate * h_d1
         if self.lyapunov is None:

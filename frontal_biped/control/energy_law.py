@@ -11,8 +11,7 @@ estimator sees beyond what the model explains, averaged over a time much longer 
 own, remembered until that foot stands again, since a centre of mass that is off to one side errs in opposite senses on
 the two feet.
 
-The outputs keep their acceleration: D (1, h_d') Delta is added to the torques. Its first entry moves the FRI, and Delta
-is cut to what the sole has room for.
+It is the ankle that gives it: the FRI target moves by I_P Delta / (m g), inside the sole; the outputs are not disturbed.
 """
 
 from dataclasses import dataclass
@@ -37,16 +36,16 @@ class EnergySettings:
     Attributes:
         length: over which an energy error dies out, as a share of the range of the phase [-]; inf: no feedback.
         average: time over which the acceleration error is averaged [s]; inf: it is not taken off.
-        blank: time after a landing before it is, while the estimator recovers from the impact [s].
+        blank: time after a landing without feedback and averaging [s]; in the same time again the feedback grows.
     """
 
-    length: float = 0.4
+    length: float = 0.6
     average: float = 0.15
-    blank: float = 0.04
+    blank: float = 0.03
 
 
 class EnergyLaw:
-    """Torques that keep the energy of a gait's orbit.
+    """Shifts of the FRI target that keep the energy of a gait's orbit.
 
     Args:
         biped: the robot as it is believed to be.
@@ -59,11 +58,17 @@ class EnergyLaw:
         self.settings, self.period = settings, period
         self._model, self._data = biped.pinned, biped.pinned.createData()
         step = gait.step(biped)
-        self._beta, self._energy, self._length = {}, {}, {}
+        self._weight = biped.weight
+        self._beta: dict[StepPhase, FloatArray] = {}
+        self._energy: dict[StepPhase, FloatArray] = {}
+        self._inertia: dict[StepPhase, FloatArray] = {}
+        self._length: dict[StepPhase, float] = {}
         for phase, orbit in ((StepPhase.RISING, step.rising), (StepPhase.FALLING, step.falling)):
             order = np.argsort(orbit.beta)
             beta = np.linspace(orbit.beta.min(), orbit.beta.max(), TABLE)
             energy = np.interp(beta, orbit.beta[order], 0.5 * orbit.dbeta[order] ** 2)
+            inertia = np.interp(beta, orbit.beta[order], orbit.restricted.I_P[order])
+            self._inertia[phase] = np.concatenate([inertia[:1], inertia, inertia[-1:]])
             # past the ends it goes on straight: below zero past the reversal
             reach = float(np.ptp(beta))
             before, after = (energy[1] - energy[0]) / (beta[1] - beta[0]), float(orbit.ddbeta[np.argmax(orbit.beta)])
@@ -85,36 +90,23 @@ class EnergyLaw:
         """dbeta^2/2 beyond that of the orbit [rad^2/s^2]."""
         return 0.5 * dbeta**2 - float(np.interp(beta, self._beta[phase], self._energy[phase]))
 
-    def torques(
-        self,
-        phase: StepPhase,
-        q: FloatArray,
-        dbeta: float,
-        slope: FloatArray,
-        unexplained: FloatArray,
-        low: float,
-        high: float,
-    ) -> FloatArray:
-        """What to add to the torques of the program.
+    def fri_shift(self, phase: StepPhase, q: FloatArray, dbeta: float, unexplained: FloatArray) -> float:
+        """How far to move the FRI target [m].
 
         Args:
             phase: rising or falling.
             q: (4,) [rad].
             dbeta: [rad/s].
-            slope: (3,) dh_d/dbeta at q [-].
             unexplained: (4,) acceleration that the model does not explain [rad/s^2].
-            low: room of the stance ankle torque downwards, negative [N m].
-            high: its room upwards [N m].
-
-        Returns:
-            (4,) [N m].
         """
-        D = pin.crba(self._model, self._data, q)
-        moved = D @ np.concatenate([[1.0], slope])  # torques for a unit of ddbeta
+        beta = float(q[0])
+        inertia = float(np.interp(beta, self._beta[phase], self._inertia[phase]))
         self._since += self.period
         if self._since > self.settings.blank:
+            D = pin.crba(self._model, self._data, q)
             share = self.period / self.settings.average
-            self.bias[self._stance] += share * (float(D[0] @ unexplained) / float(moved[0]) - self.bias[self._stance])
-        wanted = -self.error(phase, float(q[0]), dbeta) / self._length[phase] - self.bias[self._stance]
-        ends = sorted((low / float(moved[0]), high / float(moved[0])))
-        return moved * float(np.clip(wanted, min(ends[0], 0.0), max(ends[1], 0.0)))
+            self.bias[self._stance] += share * (float(D[0] @ unexplained) / inertia - self.bias[self._stance])
+        # the foot rocks after a landing, and the estimate with it
+        trust = min(max(self._since / self.settings.blank - 1.0, 0.0), 1.0)
+        wanted = -trust * self.error(phase, beta, dbeta) / self._length[phase] - self.bias[self._stance]
+        return inertia * wanted / self._weight

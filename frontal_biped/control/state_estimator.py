@@ -16,13 +16,14 @@ off to one side errs in opposite senses on the two feet.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.frontal_chain import UPRIGHT
 from frontal_biped.model.impact import impact
 from frontal_biped.model.stance_map import Stance
 
@@ -47,7 +48,7 @@ class EstimatorSettings:
     velocity_noise: float = 1e-3
     impact_velocity: float = 0.1
     impact_acceleration: float = 1.0
-    drift: float = 10.0
+    drift: float = 2.0
     blind: float = 0.006
 
 
@@ -58,6 +59,7 @@ class StateEstimator:
         biped: the robot as it is believed to be.
         period: time between readings [s].
         settings: what to trust.
+        delay: from a reading to the torques it leads to [s].
 
     Attributes:
         q: (4,) estimate [rad].
@@ -65,13 +67,20 @@ class StateEstimator:
         error: (4,) acceleration error of the model [rad/s^2].
     """
 
-    def __init__(self, biped: FrontalBiped, period: float, settings: EstimatorSettings | None = None) -> None:
+    def __init__(
+        self, biped: FrontalBiped, period: float, settings: EstimatorSettings | None = None, delay: float = 0.0
+    ) -> None:
         self.biped, self.period = biped, period
         self.settings = settings or EstimatorSettings()
         self._model, self._data = biped.pinned, biped.pinned.createData()
+        chosen = self.settings
+        # until the landing is noticed, the old ankle torque turns the foot that has become the swing foot
+        torque = 0.3 * biped.weight * biped.sole[1]
+        turned = torque * (period + delay) / float(biped.D(np.full(4, UPRIGHT))[3, 3])
+        foot = replace(chosen, impact_velocity=max(chosen.impact_velocity, turned), blind=0.0)
         self._gains = {
-            "positions": _gain_table(self.settings, period, velocities=False),
-            "velocities": _gain_table(self.settings, period, velocities=True),
+            what: np.stack([_gain_table(s, period, what == "velocities") for s in (chosen, chosen, chosen, foot)], -1)
+            for what in ("positions", "velocities")
         }
         self.q, self.dq, self.error = np.zeros(4), np.zeros(4), np.zeros(4)
         self._remembered = {stance: np.zeros(4) for stance in Stance}
@@ -94,19 +103,20 @@ class StateEstimator:
         self._readings += 1
         missed = q - self.q
         if dq is None:
-            gains = self._gains["positions"][at]
-            steps = gains[:, 0, None] * missed
+            steps = self._gains["positions"][at, :, 0] * missed
         else:
             gains = self._gains["velocities"][at]
-            steps = gains @ np.stack([missed, dq - self.dq])
+            steps = gains[:, 0] * missed + gains[:, 1] * (dq - self.dq)
         self.q = self.q + steps[0]
         self.dq = self.dq + steps[1]
         self.error = self.error + steps[2]
 
     def land(self) -> None:
-        """The swing foot lands and becomes the stance foot."""
+        """The swing foot lands and becomes the stance foot; if it lands tilted, the leg keeps its absolute angle."""
         landed = impact(self.biped, self.q, self.dq)
+        tilt = float(self.biped.swing_foot_rotation(self.q))
         self.q, self.dq = landed.q_plus.copy(), landed.dq_plus.copy()
+        self.q[0] -= tilt
         self._remembered[self._stance] = self.error
         self._stance = self._stance.other
         self.error = self._remembered[self._stance].copy()

@@ -2,7 +2,7 @@
 
 At every reading: estimate the state (`StateEstimator`), decide whether the swing foot has landed (`PhaseMachine`),
 predict the state at the time when the torques will act, decide there whether the robot has turned, ask the quadratic
-program for the model's torques, and add what keeps the energy of the orbit (`EnergyLaw`).
+program for the torques, with the FRI target moved so that the energy of the orbit is kept (`EnergyLaw`).
 
 After a landing the virtual constraints begin at the predicted state at once, and again when the foot has settled and
 the velocities after the impact have been seen.
@@ -21,11 +21,11 @@ from frontal_biped.control.sampling import sampled_frequency
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers import make_stabiliser
 from frontal_biped.control.state_estimator import EstimatorSettings, StateEstimator
-from frontal_biped.control.transitions import Stabiliser
+from frontal_biped.control.transitions import AdaptiveTransitions, Stabiliser
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.frontal_chain import GRAVITY, UPRIGHT
+from frontal_biped.model.frontal_chain import UPRIGHT
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.virtual_constraints.phase import StepPhase
 
@@ -80,9 +80,6 @@ class WalkerCommand:
     event: PhaseEvent | None
 
 
-SOLE_MARGIN = 0.004
-"""Distance from the ends of the sole beyond which the energy law does not move the FRI [m]."""
-
 SETTLE = 0.03
 """Time after a landing when the virtual constraints begin anew [s]."""
 
@@ -94,8 +91,10 @@ class Walker:
         biped: the robot as the walker believes it to be.
         gait: what to walk.
         period: time between readings [s].
-        settings: gains and limits; default: the gait's limits and the gains of `sampled_frequency`.
-        stabiliser: chooses the virtual constraints of each phase; an object or one of `STABILISERS` by name.
+        settings: gains and limits; default: the gait's friction and normal force, the robot's own torque limits, and
+            the gains of `sampled_frequency`.
+        stabiliser: chooses the virtual constraints of each phase; an object or one of `STABILISERS` by name. Default:
+            adaptive transitions that leave the energy to the energy law.
         delay: known time from a reading to the torques it leads to [s], a multiple of the period.
         phases: when to believe in a landing or a reversal.
         estimator: what to trust of the readings.
@@ -113,7 +112,7 @@ class Walker:
         *,
         period: float = 1e-3,
         settings: ControllerSettings | None = None,
-        stabiliser: Stabiliser | str = "adaptive",
+        stabiliser: Stabiliser | str | None = None,
         delay: float = 0.0,
         phases: PhaseSettings | None = None,
         estimator: EstimatorSettings | None = None,
@@ -125,14 +124,16 @@ class Walker:
         if self._on_the_way < 0 or abs(self._on_the_way * period - delay) > 1e-6 * period:
             raise SimulationError(f"a delay of {delay:g} s is no multiple of the period of {period:g} s; make it one")
         if settings is None:
-            settings = replace(ControllerSettings.for_gait(gait), frequency=sampled_frequency(period))
+            limits = ControllerSettings.for_gait(gait)
+            settings = replace(limits, max_torque=None, frequency=sampled_frequency(period))
+        if stabiliser is None:
+            stabiliser = AdaptiveTransitions(biped, gait, anticipate=energy is None)
         chosen = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
         self.controller = QpController(biped, gait, settings, chosen)
         self.phases = PhaseMachine(period, phases)
-        self.estimator = StateEstimator(biped, period, estimator)
+        self.estimator = StateEstimator(biped, period, estimator, delay)
         self.energy = None if energy is None else EnergyLaw(biped, gait, period, energy)
         self.settle = settle
-        self._max_torque = biped.max_torque if settings.max_torque is None else np.asarray(settings.max_torque)
         self.landings = 0
         self.reset(Stance.LEFT, *gait.state_after_impact())
 
@@ -177,13 +178,11 @@ class Walker:
             self._begun = True
             landed = event is PhaseEvent.LANDING and self.settle > 0.0
             self._until_settled = self.settle if landed else np.inf
-        command = self.controller.command(phase, q, dq)
-        u = command.u
+        shift = 0.0
         if self.energy is not None:
-            slope = self.controller.phase(phase).desired(float(q[0]))[1]
-            low, high = self._ankle_range(command)
-            u = u + self.energy.torques(phase, q, float(dq[0]), slope, estimator.error, low - u[0], high - u[0])
-        u = np.clip(u, -self._max_torque, self._max_torque)
+            shift = self.energy.fri_shift(phase, q, float(dq[0]), estimator.error)
+        command = self.controller.command(phase, q, dq, shift)
+        u = command.u
         tau = self.biped.stance_map.torques_to_urdf(u, self.stance)
         if not self._sent:  # nothing else was on its way
             self._sent.extend([tau] * self._on_the_way)
@@ -216,15 +215,3 @@ class Walker:
         dq = coordinates.velocities_to_stance(reading.joint_velocities, stance).copy()
         dq[0] = outwards * reading.base_roll_rate - dq[1]
         return q, dq
-
-    def _ankle_range(self, command: Command) -> tuple[float, float]:
-        """Stance ankle torques that keep the FRI inside the sole, under the force the program expects [N m]."""
-        biped = self.biped
-        foot = biped.chain.bodies[0]
-        rest = (
-            biped.chain.armature[0] * command.ddq[0]
-            + biped.ankle_height * command.force[0]
-            - foot.mass * GRAVITY * float(foot.com[0])
-        )
-        outer, inner = biped.sole
-        return (outer + SOLE_MARGIN) * command.force[1] + rest, (inner - SOLE_MARGIN) * command.force[1] + rest

@@ -145,6 +145,10 @@ def step_constraints(
         if spec.max_pelvis_roll is not None:
             limit, roll = spec.max_pelvis_roll, biped.pelvis_roll(orbit.motion.q)
             add("max_pelvis_roll", f"pelvis roll, {name}", "rad", roll, -limit, limit, 0.05, "max_pelvis_roll")
+        if spec.max_foot_rotation is not None:
+            limit, q = spec.max_foot_rotation, orbit.motion.q
+            rotation = q[:, 0] + q[:, 1] + q[:, 2] + q[:, 3] + 2.0 * np.pi
+            add("max_foot_rotation", f"swing foot, {name}", "rad", rotation, -limit, limit, 0.1, "max_foot_rotation")
         for i in range(4):
             position, velocity = orbit.motion.q[:, i], orbit.motion.dq[:, i] * orbit.dbeta
             lower, upper, fastest = (

@@ -104,9 +104,10 @@ def attained(biped: FrontalBiped, gait: Gait, target: GaitSpecification) -> Gait
     own = GaitSpecification.from_dict(dict(gait.specification))
     table = own.as_dict()
     step = gait.step(biped)
-    rolls = [biped.pelvis_roll(orbit.motion.q) for orbit in (step.rising, step.falling)]
+    poses = np.concatenate([orbit.motion.q for orbit in (step.rising, step.falling)])
     values: dict[str, Any] = {
-        "max_pelvis_roll": float(np.max(np.abs(rolls))),
+        "max_pelvis_roll": float(np.max(np.abs(biped.pelvis_roll(poses)))),
+        "max_foot_rotation": float(np.max(np.abs(biped.swing_foot_rotation(poses)))),
         "max_torque": [float(limit) for limit in biped.max_torque],
         "max_multiplier": float(step.multiplier),
         "min_energy_margin": float(energy_margin(step)),

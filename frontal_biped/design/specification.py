@@ -28,6 +28,7 @@ class GaitSpecification:
         step_duration: shortest and longest step [s] (C09).
         step_width: smallest and largest distance between the ankles, L_s [m].
         max_pelvis_roll: largest rotation of the pelvis [rad]; None: free.
+        max_foot_rotation: largest rotation of the swing foot from flat [rad]; None: free.
         max_torque: torque limits of stance ankle, stance hip, swing hip, swing ankle [N m]; None: the robot's.
         max_multiplier: largest multiplier of the return map, below 1 [-]; None: 1 (C01).
         min_energy_margin: energy that may be added after the impact before the robot tips outwards, over the energy
@@ -51,6 +52,7 @@ class GaitSpecification:
     step_duration: tuple[float, float] = (0.4, 0.8)
     step_width: tuple[float, float] = (0.15, 0.35)
     max_pelvis_roll: float | None = None
+    max_foot_rotation: float | None = None
     max_torque: tuple[float, float, float, float] | None = None
     max_multiplier: float | None = None
     min_energy_margin: float | None = None
@@ -141,7 +143,12 @@ def default_specification(biped: FrontalBiped) -> GaitSpecification:
 _DEGREES = (3, 12)  # below 3 the determined columns meet; above 12 the basis is too ill-conditioned to help
 
 # key: open upper end of its range
-_OPTIONAL = {"max_multiplier": 1.0, "min_energy_margin": np.inf, "max_reversal_shift": 0.5 * np.pi}
+_OPTIONAL = {
+    "max_foot_rotation": 0.5 * np.pi,
+    "max_multiplier": 1.0,
+    "min_energy_margin": np.inf,
+    "max_reversal_shift": 0.5 * np.pi,
+}
 
 # key: must it be strictly positive?
 _NUMBERS = {

@@ -157,7 +157,8 @@ def _controller(path: Path, table: Table) -> ControllerChoice:
     if isinstance(content, str):
         content = {"type": content}
     section = Table(f"{path}: [controller]", content, ("type", "stabiliser", "period", "delay", "arguments", *own))
-    kind = section.text("type", "walker")
+    # sensor readings are all that MuJoCo gives
+    kind = section.text("type", "walker" if table.content.get("simulator") == "mujoco" else "qp")
     if kind not in CONTROLLERS and not _FACTORY.fullmatch(kind):
         section.refuse("type", f'unknown; write one of {", ".join(CONTROLLERS)}, or "module:factory" of your own')
     arguments = Table(f"{path}: [controller.arguments]", section.content.get("arguments", {}), None)

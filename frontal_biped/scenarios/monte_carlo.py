@@ -1,5 +1,6 @@
 """Many trials of many scenarios, on any executor; what a trial yields depends on scenario, seed and number alone."""
 
+import pickle
 import threading
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
@@ -12,7 +13,6 @@ from scipy.stats import binomtest
 
 from frontal_biped.exceptions import ScenarioError
 from frontal_biped.files import require_folder
-from frontal_biped.scenarios.files import load_scenario
 from frontal_biped.scenarios.preparation import Prepared, prepare
 from frontal_biped.scenarios.run import OnStep, TrialResult, run_trial
 from frontal_biped.scenarios.scenario import Scenario
@@ -116,8 +116,8 @@ def run_trials(
         repeat: trials of each; default: what the scenario says.
         seed: of all trials; default: the scenario's.
         numbers: only these trials, from 0, instead of the first ``repeat`` ones.
-        executor: any `concurrent.futures.Executor`; its workers read the scenario files again, so they must see them.
-            Default: one trial after another in this process.
+        executor: any `concurrent.futures.Executor` whose workers see the robot and gait files. Default: one trial after
+            another in this process.
         save: folder to which every trial writes its run file, ``NAME-NUMBER.npz``.
         on_trial: called with trials finished, trials in all, and the result of the last.
         on_step: called with the number of completed steps; without an executor only.
@@ -150,7 +150,8 @@ def run_trials(
             finish((i, number), _trial(prepared[i], number, seed, save, on_step))
     else:
         futures = {
-            executor.submit(_trial_of_file, scenarios[i].path, number, seed, save): (i, number) for i, number in tasks
+            executor.submit(_trial_elsewhere, pickle.dumps(scenarios[i]), number, seed, save): (i, number)
+            for i, number in tasks
         }
         for future in _as_completed(futures):
             finish(futures[future], future.result())
@@ -192,12 +193,12 @@ def _trial(
     return replace(result, run=None)
 
 
-def _trial_of_file(path: Path, number: int, seed: int | None, save: Path | None) -> TrialResult:
-    """What a worker runs."""
-    return _trial(_prepared(path, threading.get_ident()), number, seed, save)
+def _trial_elsewhere(scenario: bytes, number: int, seed: int | None, save: Path | None) -> TrialResult:
+    """What a worker runs; the scenario comes pickled, so that equal ones are known to be equal."""
+    return _trial(_prepared(scenario, threading.get_ident()), number, seed, save)
 
 
 @lru_cache(maxsize=128)
-def _prepared(path: Path, thread: int) -> Prepared:
+def _prepared(scenario: bytes, thread: int) -> Prepared:
     """A scenario made ready by and for one thread of a worker."""
-    return prepare(load_scenario(path))
+    return prepare(pickle.loads(scenario))

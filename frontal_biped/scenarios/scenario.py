@@ -48,7 +48,7 @@ class ControllerChoice:
         arguments: keyword arguments of the user's factory.
     """
 
-    kind: str = "walker"
+    kind: str = "qp"
     stabiliser: str | None = None
     period: float = 1e-3
     delay: float | None = None

@@ -22,7 +22,7 @@ class Table:
         if not isinstance(content, dict):
             raise ScenarioError(f"{where} = {_short(content)} is not a table; write its keys below {where.split()[-1]}")
         if known is not None:
-            reject_unknown_keys(where, content, known, ScenarioError)
+            reject_unknown_keys(where.rstrip(":"), content, known, ScenarioError)
         self.content: Mapping[str, Any] = content
 
     def __contains__(self, key: str) -> bool:

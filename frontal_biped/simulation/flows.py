@@ -152,7 +152,8 @@ class SampledFlow:
             self._encoders.read(state[:4], self.period)
         # what arrives at the motors now; the robot knows its own delay, so its observer predicts with the same
         self._commanded = self._delay.push(self.controller.command(phase, *self.perceived(state)).u)
-        self._u = self._disturbances.applied(self._commanded, self._generator)
+        u = self._disturbances.applied(self._commanded, self._generator)
+        self._u = np.clip(u, -self.biped.max_torque, self.biped.max_torque)  # no motor gives more
 
     def run(self, t: float, state: FloatArray, phase: StepPhase, guards: tuple[Guard, ...], stance: Stance) -> Segment:
         """From a state (8,) at time t [s] to the first guard crossed, or to the time limit of a phase."""

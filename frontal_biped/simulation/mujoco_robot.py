@@ -215,7 +215,7 @@ class MujocoRobot:
         """Height of the floor under a foot [m]."""
         return float(self.model.geom_pos[self._floors[stance], 2])
 
-    def raise_ground(self, stance: Stance, height: float) -> None:
+    def set_ground(self, stance: Stance, height: float) -> None:
         """Set the height of the floor under a foot [m]."""
         self.model.geom_pos[self._floors[stance], 2] = height
 

@@ -26,7 +26,8 @@ class StanceMotion:
         self.u: FloatArray = np.zeros(4)
         self.pushes: list[tuple[float, float]] = []
 
-    def _felt(self, q: FloatArray) -> FloatArray:
+    def felt(self, q: FloatArray) -> FloatArray:
+        """(4,) generalized forces of motors and pushes at q (4,) [N m]."""
         u = self.u
         for force, height in self.pushes:
             u = u + self.pelvis.torques(q, force, height)
@@ -35,7 +36,7 @@ class StanceMotion:
     def friction_used(self, x: FloatArray) -> float:
         """Coefficient of friction |F_h| / F_v that keeps the stance foot at rest; inf if the ground would pull."""
         q, dq = x[:4], x[4:]
-        wrench = self.biped.inverse_dynamics(q, dq, self.biped.forward_dynamics(q, dq, self._felt(q)))
+        wrench = self.biped.inverse_dynamics(q, dq, self.biped.forward_dynamics(q, dq, self.felt(q)))
         F_h = wrench[0] - sum(force for force, _ in self.pushes)
         return float(abs(F_h) / wrench[1]) if wrench[1] > 0.0 else float("inf")
 
@@ -43,7 +44,7 @@ class StanceMotion:
         """State (8,) after h [s], by a Runge-Kutta step of order 4."""
 
         def derivative(x: FloatArray) -> FloatArray:
-            return np.concatenate([x[4:], self.biped.forward_dynamics(x[:4], x[4:], self._felt(x[:4]))])
+            return np.concatenate([x[4:], self.biped.forward_dynamics(x[:4], x[4:], self.felt(x[:4]))])
 
         k1 = derivative(x)
         k2 = derivative(x + 0.5 * h * k1)
