@@ -16,7 +16,6 @@ from frontal_biped.exceptions import SimulationError
 from frontal_biped.gait import Gait, gait_to_dict
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.perturbation import ModelErrors
-from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.disturbances import Disturbances
 from frontal_biped.simulation.mujoco_walk import walk_in_mujoco

@@ -154,6 +154,10 @@ class QpController:
         if not isfinite(q.dot(q) + dq.dot(dq)):
             return self._counted(self._held(), phase, q, dq, "the state is not finite")
         targets, y, dy = self.targets(phase, q, dq)
+        if fri_shift:
+            outer, inner = self.biped.sole
+            shifted = min(max(targets.p_fri + fri_shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
+            targets = targets._replace(p_fri=shifted)
         answer = self.program.solve(q, dq, targets)
         if answer is None:
             return self._counted(self._held(y, dy, targets.p_fri), phase, q, dq, "the relaxed program is not solved")
@@ -182,9 +186,6 @@ class QpController:
     def targets(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> tuple[Targets, FloatArray, FloatArray]:
         """What is asked of a state: targets, output y (3,) [rad] and its rate (3,) [rad/s]."""
         h_d, h_d1, h_d2, p_fri = self._phases[phase].desired(q[0])
-        if fri_shift:
-            outer, inner = self.biped.sole
-            p_fri = min(max(p_fri + fri_shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
         rate = float(dq[0])
         y, dy = q[1:] - h_d, dq[1:] - rate * h_d1
         if self.lyapunov is None:

@@ -1,7 +1,7 @@
 r"""Energy law: the ankle keeps the robot on the energy of its orbit, at every tick.
 
-On the virtual constraints the robot has one degree of freedom, and E(beta) = dbeta^2/2 along the orbit is known for both
-phases. The law asks for an additional acceleration
+On the virtual constraints the robot has one degree of freedom, and E(beta) = dbeta^2/2 along the orbit is known for
+both phases. The law asks for an additional acceleration
 
 .. math:: \Delta = \mp \frac{\tfrac12 \dot\beta^2 - E(\beta)}{\ell} - a_\beta
 
@@ -11,7 +11,8 @@ estimator sees beyond what the model explains, averaged over a time much longer 
 own, remembered until that foot stands again, since a centre of mass that is off to one side errs in opposite senses on
 the two feet.
 
-It is the ankle that gives it: the FRI target moves by I_P Delta / (m g), inside the sole; the outputs are not disturbed.
+It is the ankle that gives it: the FRI target moves by I_P Delta / (m g), inside the sole; the outputs are not
+disturbed.
 """
 
 from dataclasses import dataclass
@@ -79,7 +80,7 @@ class EnergyLaw:
 
     def reset(self, stance: Stance) -> None:
         """Start on a foot, the model trusted."""
-        self.bias = {side: 0.0 for side in Stance}
+        self.bias = dict.fromkeys(Stance, 0.0)
         self.land(stance)
 
     def land(self, stance: Stance) -> None:

@@ -1,9 +1,9 @@
 """Rising, falling, landed: told from contact flags that chatter and rates that are noisy.
 
 *Landing.* A falling robot lands when its swing foot touches the ground. A flag alone may be a bounce of the last
-landing or a fault, so it counts at once only where the kinematics expects the ground, otherwise after it has been up for
-some readings, and never before the foot has left the ground since the last landing. While rising the robot sways away
-from the swing foot: a touch then is a scuff, and a landing only if it lasts.
+landing or a fault, so it counts at once only where the kinematics expects the ground, otherwise after it has been up
+for some readings, and never before the foot has left the ground since the last landing. While rising the robot sways
+away from the swing foot: a touch then is a scuff, and a landing only if it lasts.
 
 *Reversal.* The rate of the stance ankle falls through zero; it must be below by more than the noise, and not in the
 first moments after a landing, when it rings. A push may turn the robot outwards again: the same, in the other sense.

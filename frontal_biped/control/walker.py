@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.controller import Command, QpController
+from frontal_biped.control.controller import QpController
 from frontal_biped.control.energy_law import EnergyLaw, EnergySettings
 from frontal_biped.control.phase_machine import PhaseEvent, PhaseMachine, PhaseSettings
 from frontal_biped.control.sampling import sampled_frequency
@@ -80,6 +80,9 @@ class WalkerCommand:
     event: PhaseEvent | None
 
 
+DEFAULT_ENERGY = EnergySettings()
+"""How a walker keeps the energy of the orbit unless told otherwise."""
+
 SETTLE = 0.03
 """Time after a landing when the virtual constraints begin anew [s]."""
 
@@ -116,7 +119,7 @@ class Walker:
         delay: float = 0.0,
         phases: PhaseSettings | None = None,
         estimator: EstimatorSettings | None = None,
-        energy: EnergySettings | None = EnergySettings(),
+        energy: EnergySettings | None = DEFAULT_ENERGY,
         settle: float = SETTLE,
     ) -> None:
         self.biped, self.gait, self.period, self.delay = biped, gait, period, delay

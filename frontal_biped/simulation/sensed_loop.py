@@ -150,7 +150,7 @@ class SensedLoop:
         self._new_step(0.0)
         step = tick = 0
         outcome, started = "completed", 0.0
-        airborne = {side: 0.0 for side in Stance}
+        airborne = dict.fromkeys(Stance, 0.0)
         while True:
             t = tick * h
             positions, rates, roll, roll_rate, touching = engine.read()

@@ -48,8 +48,8 @@ class _RigidEngine:
         self.period = settings.period or PERIOD
         self.plant = Plant.of(biped, errors)
         self._motion = {side: StanceMotion(self.plant.on(side), PelvisForce(self.plant.on(side))) for side in Stance}
-        self._ground = {side: 0.0 for side in Stance}
-        self._next_ground = {side: 0.0 for side in Stance}
+        self._ground = dict.fromkeys(Stance, 0.0)
+        self._next_ground = dict.fromkeys(Stance, 0.0)
 
     def place(self, stance: Stance, q: FloatArray, dq: FloatArray, foot_y: float) -> None:
         self.stance, self.state, self.foot_y = stance, np.concatenate([q, dq]), {stance: foot_y}
