@@ -83,18 +83,6 @@ def simulate(
     return replace(run, settings={**run.settings, "controller": counted})
 
 
-def sampled_settings(gait: Gait, period: float | None, **changes: Any) -> ControllerSettings:
-    """Limits of the gait's specification, and with a period the gains of `sampled_frequency`.
-
-    Args:
-        gait: the gait.
-        period: control period [s]; None: continuous control.
-        changes: other fields of the settings.
-    """
-    settings = replace(ControllerSettings.for_gait(gait), **changes)
-    return settings if period is None else replace(settings, frequency=sampled_frequency(period))
-
-
 def walk(
     biped: FrontalBiped,
     gait: Gait,
@@ -136,14 +124,8 @@ def walk(
     if engine not in ENGINES:
         raise SimulationError(f"no engine {engine!r}; known: {', '.join(ENGINES)}")
     known = disturbances or Disturbances()
-    walker = Walker(
-        biped,
-        gait,
-        period=period,
-        settings=controller_settings,
-        stabiliser=stabiliser,
-        delay=period * known.delay_ticks(period),
-    )
+    delay = period * known.delay_ticks(period)
+    walker = Walker(biped, gait, period=period, settings=controller_settings, stabiliser=stabiliser, delay=delay)
     q, dq = gait.state_after_impact()
     settings = SimulationSettings(steps=steps, period=period, disturbances=known)
     return ENGINES[engine](
@@ -160,6 +142,18 @@ def walk(
 
 
 ENGINES: dict[str, Callable[..., Trajectory]] = {"ours": walk_sensed, "mujoco": walk_in_mujoco}
+
+
+def sampled_settings(gait: Gait, period: float | None, **changes: Any) -> ControllerSettings:
+    """Limits of the gait's specification, and with a period the gains of `sampled_frequency`.
+
+    Args:
+        gait: the gait.
+        period: control period [s]; None: continuous control.
+        changes: other fields of the settings.
+    """
+    settings = replace(ControllerSettings.for_gait(gait), **changes)
+    return settings if period is None else replace(settings, frequency=sampled_frequency(period))
 
 
 def simulated_multiplier(biped: FrontalBiped, gait: Gait, relative_step: float = 1e-4) -> float:

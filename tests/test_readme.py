@@ -63,7 +63,7 @@ def test_specification_block_names_every_key(tmp_path):
     assert all(f"{field.name} = " in block for field in fields(GaitSpecification))
     # all but those that have no default are shown with their default
     default = GaitSpecification(
-        max_pelvis_roll=0.1, max_torque=(150.0,) * 4,
+        max_pelvis_roll=0.1, max_foot_rotation=0.3, max_torque=(150.0,) * 4,
         max_multiplier=0.75, min_energy_margin=1.0, max_reversal_shift=0.003,
     )  # fmt: skip
     assert specification == default

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Mapping
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -131,16 +131,13 @@ def run_simulate(arguments: argparse.Namespace) -> int:
         require_parent(arguments.output)
     period = None if arguments.continuous else 1.0 / arguments.rate
     disturbances = Disturbances(arguments.encoder_noise, arguments.torque_noise, seed=arguments.seed)
+    settings = sampled_settings(gait, period, outputs=arguments.controller)
     if arguments.engine == "ours":
         stabiliser = arguments.stabiliser or "adaptive"
-        settings = sampled_settings(gait, period, outputs=arguments.controller)
         run = _walk(biped, gait, arguments.steps, period, arguments.speed_error, stabiliser, disturbances, settings)
     elif period is None:
         raise SimulationError("--continuous: a walker in MuJoCo reads its sensors at a rate; give --rate instead")
     else:
-        # the walker's own settings, but for another law
-        linearising = arguments.controller == "linearising"
-        chosen = None if linearising else sampled_settings(gait, period, outputs=arguments.controller)
         with Progress("walking in MuJoCo: step", arguments.steps) as progress:
             run = walk(
                 biped,
@@ -151,7 +148,7 @@ def run_simulate(arguments: argparse.Namespace) -> int:
                 speed_error=arguments.speed_error,
                 stabiliser=arguments.stabiliser,
                 disturbances=disturbances,
-                controller_settings=chosen,
+                controller_settings=replace(settings, max_torque=None),
                 on_step=lambda done: progress.update("", done),
             )
     if arguments.output is not None:

@@ -117,7 +117,10 @@ def mujoco_spec(biped: FrontalBiped, contact: ContactSettings) -> "MjSpec":
         root.add_joint(name=name, type=kind, axis=rotation.T @ axis)
 
     for index, name in enumerate(_FLOORS):
-        floor = spec.worldbody.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_PLANE, size=[10.0, 10.0, 0.1])
+        # a mocap body: geoms of the world itself stay where they were compiled
+        floor = spec.worldbody.add_body(name=name, mocap=True).add_geom(
+            name=name, type=mujoco.mjtGeom.mjGEOM_PLANE, size=[10.0, 10.0, 0.1]
+        )
         _contact(floor, contact, contype=0, conaffinity=1 << index)
     option = spec.option
     option.timestep = contact.timestep

@@ -62,7 +62,7 @@ class MujocoRobot:
         self._hips = [joints[1].id, joints[2].id]
         self._feet = {Stance.LEFT: self._bodies[LINKS[0]], Stance.RIGHT: self._bodies[LINKS[4]]}
         self._soles = {stance: self.model.geom(sole_of(stance)).id for stance in Stance}
-        self._floors = {stance: self.model.geom(floor_of(stance)).id for stance in Stance}
+        self._floors = {stance: int(self.model.body(floor_of(stance)).mocapid[0]) for stance in Stance}
         self._sole_id = (self._soles[Stance.LEFT], self._soles[Stance.RIGHT])
         if errors is not None:
             self._apply(errors)
@@ -213,11 +213,11 @@ class MujocoRobot:
 
     def ground(self, stance: Stance) -> float:
         """Height of the floor under a foot [m]."""
-        return float(self.model.geom_pos[self._floors[stance], 2])
+        return float(self.data.mocap_pos[self._floors[stance], 2])
 
     def set_ground(self, stance: Stance, height: float) -> None:
         """Set the height of the floor under a foot [m]."""
-        self.model.geom_pos[self._floors[stance], 2] = height
+        self.data.mocap_pos[self._floors[stance], 2] = height
 
     @property
     def upright_height(self) -> float:
