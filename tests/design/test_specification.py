@@ -107,7 +107,8 @@ class TestFile:
         path.write_text(
             "degree = 6\nfri_degree = 2\nfriction = 0.5\nmin_normal_force = 0.2\nfri_margin = 0.01\n"
             "swing_clearance = 0.02\ntouchdown_speed = 0.1\nmin_phase_range = 0.03\nstep_duration = [0.5, 0.6]\n"
-            "step_width = [0.2, 0.3]\nmax_pelvis_roll = 0.1\nmax_foot_rotation = 0.3\nmax_torque = [40, 90, 90, 40]\nseed = 7\n"
+            "step_width = [0.2, 0.3]\nmax_pelvis_roll = 0.1\nmax_foot_rotation = 0.3\n"
+            "max_torque = [40, 90, 90, 40]\nseed = 7\n"
             "max_multiplier = 0.7\nmin_energy_margin = 0.4\nmax_reversal_shift = 0.002\n"
         )
         assert read_specification(path) == GaitSpecification(
