@@ -1,7 +1,7 @@
 """The return map in closed form: one step of the whole hybrid robot is an affine function of one number.
 
 rho(zeta) = delta_f^2 delta_r^2 delta_z^2 zeta - ...; its fixed point is the gait, its slope the multiplier, and the
-gait is stable if that lies between 0 and 1. The full four-joint model, simulated with impacts, must have the same slope.
+gait is stable if that lies between 0 and 1. The full model, simulated, must have the same slope.
 
 You should see:
 

@@ -11,7 +11,7 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.poincare import HybridZeroDynamics, step_orbit
 from frontal_biped.reversal import ReversalAnalysis, analyse_reversal
 from frontal_biped.reversal_certificate import ReversalCertificate, certify_reversal
-from frontal_biped.reversal_solver import ReversalProblem
+from frontal_biped.reversal_problem import ReversalProblem
 
 RESIDUAL_BOUND = 1e-9
 """Largest residual of a certified gait: invariance, energy balance, stored orbit, reversal point."""

@@ -111,7 +111,7 @@ def stretch_to_reversal(biped: FrontalBiped, phase: ContinuedPhase, dbeta: float
     """The phase stretched so that a landing too fast for it reverses exactly at its end.
 
     The same poses in the same order, the last one reached where the energy is spent: the self-consistent reversal of
-    `reversal_solver`, solved for a given speed. The phase itself where it is not too fast, or nothing stops the robot.
+    `reversal_problem`, solved for a given speed. The phase itself where it is not too fast, or nothing stops the robot.
 
     Args:
         biped: the robot.

@@ -5,7 +5,7 @@ Anchored transitions keep the state on Z, so a step is one number, the speed aft
 impact, and the impact is linear in the speed. Every contact constraint is evaluated along the step.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,7 +28,7 @@ SAME_POSE = 1e-6
 PATIENCE = 3
 """Steps on end by which the speed may go away from the gait's, on one side of it."""
 
-STEPS = 40
+STEPS = 60
 """Steps after which a slow return is given up."""
 
 FIRST_PROBE, WIDENING = 0.02, 1.4
@@ -170,10 +170,11 @@ class RestrictedMap:
             pose_error = float(np.max(np.abs(landed.q - self.start().q)))
             if abs(speeds[-1] - 1.0) < RETURNED and pose_error < RETURNED:
                 return Return(True, tuple(speeds), "")
-            if known is not None and known.low <= speeds[-1] <= known.high and pose_error < SAME_POSE:
-                if len(speeds) - 1 + known.steps > steps:
+            left = None if known is None or pose_error > SAME_POSE else known.steps(speeds[-1] - 1.0)
+            if left is not None:
+                if len(speeds) - 1 + left > steps:
                     break
-                return Return(True, (*speeds, *(1.0,) * known.steps), "")
+                return Return(True, (*speeds, *(1.0,) * left), "")
             before, after = speeds[-2] - 1.0, speeds[-1] - 1.0
             away = away + 1 if after * before > 0.0 and abs(after) >= abs(before) else 0
             if away == PATIENCE:
@@ -190,7 +191,7 @@ class RestrictedMap:
             low: smallest relative speed tried [-].
             high: largest [-].
         """
-        known = Known(1.0 - RETURNED, 1.0 + RETURNED, 0)
+        known = Known()
         edges: dict[int, tuple[float, str]] = {}
         error = FIRST_PROBE
         while len(edges) < 2:
@@ -209,7 +210,7 @@ class RestrictedMap:
 
     def _edge(self, bad: float, sense: int, why: str, known: "Known") -> tuple[float, str]:
         """Largest relative error that returns, and what is in the way of more."""
-        good = known.error(sense)
+        good = known.reach(sense)
         while bad - good > max(FINEST, FINE * good):
             middle = 0.5 * (good + bad)
             found = self.follow(1.0 + sense * middle, known=known)
@@ -222,26 +223,32 @@ class RestrictedMap:
 
 @dataclass(frozen=True)
 class Known:
-    """Speeds known to return.
+    """Speeds known to return, as relative errors, nearest first.
 
     Attributes:
-        low: smallest, relative to the gait's [-].
-        high: largest [-].
-        steps: most steps that any of them takes.
+        below: (size of the error, steps it takes) of speeds below the gait's [-].
+        above: the same above it.
     """
 
-    low: float
-    high: float
-    steps: int
+    below: tuple[tuple[float, int], ...] = ()
+    above: tuple[tuple[float, int], ...] = ()
 
-    def error(self, sense: int) -> float:
-        """How far the interval reaches below (-1) or above (+1) the gait [-]."""
-        return 1.0 - self.low if sense < 0 else self.high - 1.0
+    def side(self, error: float) -> tuple[tuple[float, int], ...]:
+        """Those on the side of an error."""
+        return self.below if error < 0.0 else self.above
+
+    def reach(self, sense: int) -> float:
+        """The largest error known to return below (-1) or above (+1) the gait [-]."""
+        return max((size for size, _ in self.side(sense)), default=RETURNED)
+
+    def steps(self, error: float) -> int | None:
+        """Steps that the next larger error known takes; None where there is none."""
+        return next((steps for size, steps in self.side(error) if abs(error) <= size), None)
 
     def widened(self, error: float, steps: int) -> "Known":
-        """With a speed error added that returns in so many steps."""
-        low, high = min(self.low, 1.0 + error), max(self.high, 1.0 + error)
-        return Known(low, high, max(self.steps, steps))
+        """With an error added that returns in so many steps."""
+        wider = (*self.side(error), (abs(error), steps))
+        return replace(self, below=wider) if error < 0.0 else replace(self, above=wider)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ no reversal point. At fixed b the rising phase is one curve for every reversal p
 zero of I_P: the region is the interval around the planned reversal. With invariance imposed every reversal point has
 a curve of its own, and the region may be several intervals. The certificate names it; all its verdicts are about it.
 
-**Counting.** All zeros of E(beta; b) and of S(beta) = E(beta; b(beta)) (see `reversal_solver`) come from piecewise
+**Counting.** All zeros of E(beta; b) and of S(beta) = E(beta; b(beta)) (see `reversal_problem`) come from piecewise
 Chebyshev interpolation with a measured bound (see `chebyshev`), widened by the measured error of the quadrature.
 
 **Condition (a).** *At fixed b, if kappa_2/kappa_1 < 0 on an interval above beta_r+, a step of given post-impact energy
@@ -38,7 +38,7 @@ import numpy as np
 from frontal_biped.chebyshev import Fit, fit
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.poincare import step_orbit
-from frontal_biped.reversal_solver import EnergyBalance, ReversalProblem, energy_balance
+from frontal_biped.reversal_problem import EnergyBalance, ReversalProblem, energy_balance
 from frontal_biped.reversal_zeros import REGULAR, BalanceFunction, Verdict, ZeroCount, count_zeros
 from frontal_biped.zero_dynamics import restrict
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from frontal_biped.chebyshev import Fit, Zero, fit, zeros
-from frontal_biped.reversal_solver import EnergyBalance, ReversalProblem
+from frontal_biped.reversal_problem import EnergyBalance, ReversalProblem
 
 REGULAR = 0.02
 """Share of the smallest I_P of the gait's own step below which a step counts as outside the region."""

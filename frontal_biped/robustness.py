@@ -104,7 +104,8 @@ class RobustnessCard:
                 text = f"slope of the map {below:.3f} below, {above:.3f} above; sensitivity norm {norm:.2f}"
                 found.append((f"  at the gait, {name}", text))
         for push in self.pushes:
-            text = f"{push.impulse:.1f} N s, recovered in {push.steps_to_recover} steps (more: {push.limited_by})"
+            steps = f"{push.steps_to_recover} step" + "s" * (push.steps_to_recover != 1)
+            text = f"{push.impulse:.1f} N s, recovered in {steps} (more: {push.limited_by})"
             found.append((f"push {push.direction}, {push.instant}", text))
         return found
 

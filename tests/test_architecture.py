@@ -26,9 +26,10 @@ MAY_IMPORT = {
     "half_steps": {"model", "virtual_constraints", "poincare", "phase_energy"},
     "chebyshev": set(),
     "reversal": {"model", "virtual_constraints", "zero_dynamics", "poincare", "gait"},
-    "reversal_solver": {"model", "virtual_constraints", "poincare", "reversal"},
-    "reversal_zeros": {"chebyshev", "reversal_solver"},
-    "reversal_certificate": {"zero_dynamics", "poincare", "chebyshev", "reversal_solver", "reversal_zeros"},
+    "reversal_problem": {"model", "virtual_constraints", "poincare", "reversal"},
+    "reversal_solver": {"poincare", "reversal_problem"},
+    "reversal_zeros": {"chebyshev", "reversal_problem"},
+    "reversal_certificate": {"zero_dynamics", "poincare", "chebyshev", "reversal_problem", "reversal_zeros"},
     "gait": {"model", "virtual_constraints", "zero_dynamics", "poincare"},
     "design": {
         "model", "quadrature", "virtual_constraints", "zero_dynamics", "poincare", "gait", "simulation", "walking",

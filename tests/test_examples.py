@@ -1,13 +1,19 @@
 """Every numbered example runs, and prints what its docstring says it prints."""
 
 import ast
+import csv
+import json
 import math
 import re
+import shutil
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
+import nbformat
 import pytest
+from nbclient import NotebookClient
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 NUMBERED = sorted(EXAMPLES.glob("[0-9][0-9]_*.py"))
@@ -16,7 +22,7 @@ CHECKED = [path for path in NUMBERED if path.name != "11_design_studies.py"]
 RELATIVE = 0.02
 """Between processors: sampled control meets events a tick earlier or later. Everything but numbers agrees exactly."""
 
-LAST_DIGITS = 2.0  # units of the last digit printed
+LAST_DIGITS = 2.0  # units of the last digit printed; one for whole numbers
 
 NUMBER = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 
@@ -82,3 +88,46 @@ def test_comparison_itself(printed, expected, same):
     else:
         with pytest.raises(AssertionError):
             assert_same(printed, expected)
+
+
+@pytest.mark.slow
+def test_paper_is_reproduced(tmp_path):
+    command = [sys.executable, str(EXAMPLES / "reproduce_paper.py"), "--out", str(tmp_path / "paper")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    table = (tmp_path / "paper" / "comparison.md").read_text(encoding="utf-8")
+    assert table in done.stdout
+    assert "| J of the optimum | 4749 | 210.2; 405.6 with the pelvis within 5 deg |" in table
+    for row in ("legs: mass, inertia | 12.15 kg, 0.400 kg m^2 | 12.15 kg, 0.400 kg m^2 | same", "unpinned | 6 | 7 |"):
+        assert row in table
+    with (tmp_path / "paper" / "comparison.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.reader(stream))
+    assert rows[0] == ["what", "paper", "ours", "why"] and len(rows) == len(table.splitlines()) - 1
+    figures = ["conventions", "reversal_bracket", "joint_angles", "snapshots", "reversal_zoom", "sensitivity", "energy"]
+    for name in figures:
+        assert (tmp_path / "paper" / f"{name}.svg").stat().st_size > 5000
+        assert (tmp_path / "paper" / f"{name}.png").stat().st_size > 5000
+
+
+def test_notebook_covers_every_lesson_and_keeps_no_output():
+    cells = json.loads((EXAMPLES / "lesson.ipynb").read_text(encoding="utf-8"))["cells"]
+    run = [name for cell in cells for name in re.findall(r'^lesson\("(.*)"\)$', "".join(cell["source"]), re.MULTILINE)]
+    assert run == [path.stem for path in CHECKED]
+    assert not any(cell.get("outputs") for cell in cells)
+
+
+@pytest.mark.slow
+def test_notebook_runs_and_prints_what_the_examples_say(tmp_path):
+    notebook = nbformat.read(EXAMPLES / "lesson.ipynb", as_version=4)
+    shutil.copytree(EXAMPLES, tmp_path / "examples", ignore=shutil.ignore_patterns("images"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of the kernel's own making
+        NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(tmp_path / "examples")}}).execute()
+    printed = {}
+    for cell in notebook.cells:
+        called = re.match(r'lesson\("(.*)"\)', cell.source)
+        if called:
+            printed[called[1]] = "".join(part.text for part in cell.outputs if part.output_type == "stream")
+    for path in CHECKED:
+        assert_same(printed[path.stem].rstrip(), expected_output(path))
+    assert "image/svg+xml" in notebook.cells[-1].outputs[0].data

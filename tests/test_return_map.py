@@ -97,6 +97,30 @@ def test_map_against_the_full_model(biped, request, name, stabiliser, error):
     assert run.settings["controller"]["unsolved"] == 0
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("stabiliser", ["adaptive", "ankle"])
+def test_map_against_the_full_model_over_the_whole_basin(biped, gait, stabiliser, robust_gait, request):
+    """One step from each of twelve speeds, end to end of the interval that returns."""
+    if gait is robust_gait and stabiliser == "ankle":
+        # an open fault: agrees up to +80 %; at +94 % the full model leaves Z at the reversal, 4 % off in speed
+        request.applymarker(pytest.mark.xfail(strict=True, reason="the full model leaves Z at the reversal at +94 %"))
+    restricted = RestrictedMap(biped, gait, make_stabiliser(stabiliser, biped, gait))
+    basin = restricted.basin()
+    assert basin.low < 0.97 < 1.03 < basin.high
+    for ratio in np.linspace(basin.low, basin.high, 12):
+        step = restricted.step(restricted.start(float(ratio)))
+        run = simulate(
+            biped,
+            gait,
+            steps=1,
+            speed_error=float(ratio) - 1.0,
+            stabiliser=restricted.stabiliser,
+            simulation_settings=SimulationSettings(rtol=1e-8, atol=1e-10, record_rate=50.0),
+        )
+        assert run.outcome == "completed"
+        assert run.post_impact_states()[-1, 4] == pytest.approx(step.landed.dbeta, rel=MAP), ratio
+
+
 def test_ankle_law_keeps_the_target_in_the_sole(biped, robust_gait):
     restricted = RestrictedMap(biped, robust_gait, AnkleLaw(biped, robust_gait))
     outer, inner = biped.sole

@@ -9,7 +9,8 @@ import pytest
 from frontal_biped.design import GaitSpecification, design_gait
 from frontal_biped.poincare import step_orbit
 from frontal_biped.reversal_certificate import certify_reversal
-from frontal_biped.reversal_solver import ReversalProblem, energy_balance, solve_reversal, successive_approximation
+from frontal_biped.reversal_problem import ReversalProblem, energy_balance
+from frontal_biped.reversal_solver import solve_reversal, successive_approximation
 from frontal_biped.reversal_zeros import Verdict, count_gaits
 from frontal_biped.virtual_constraints.invariance import complete, free_parameters
 

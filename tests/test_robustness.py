@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from frontal_biped.control import make_stabiliser
+from frontal_biped.library import worker_processes
+from frontal_biped.push_recovery import RECOVERED, largest_push
 from frontal_biped.return_map import RestrictedMap
-from frontal_biped.robustness import RECOVERED, RobustnessCard, fixed_basin, largest_push, robustness_card
+from frontal_biped.robustness import RobustnessCard, fixed_basin, robustness_card
 from frontal_biped.simulation import Disturbances, Push
 from frontal_biped.walking import simulate
 
@@ -37,10 +39,17 @@ def test_norm_is_that_of_the_geometric_decay(biped, level_gait):
 
 def test_edges_of_a_basin_are_edges(biped, level_gait):
     restricted = RestrictedMap(biped, level_gait, make_stabiliser("ankle", biped, level_gait))
-    basin = restricted.basin(low=0.5, high=2.0, points=6, refine=3)
+    basin = restricted.basin(low=0.5, high=2.0)
     assert restricted.follow(basin.low).returned
     assert restricted.follow(basin.high).returned
     assert basin.low < 0.9 < 1.2 < basin.high
+
+
+def test_card_of_worker_processes_is_the_same(biped, robust_gait, card: RobustnessCard):
+    with worker_processes(2) as executor:
+        shared = robustness_card(biped, robust_gait, stabilisers=("ankle",), instants=(), executor=executor)
+    assert str(shared) == str(card)
+    assert shared.as_dict() == card.as_dict()
 
 
 @pytest.mark.slow

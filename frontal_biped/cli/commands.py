@@ -111,7 +111,10 @@ def run_analyze(arguments: argparse.Namespace) -> int:
     with Progress("analysing:") as progress:
         progress.update("orbit, reversal and certificate")
         analysis = analyze(biped, gait)
-        card = robustness_card(biped, gait, on_progress=progress.update) if arguments.robustness else None
+        card = None
+        if arguments.robustness:
+            with worker_processes(arguments.jobs) if arguments.jobs > 1 else nullcontext() as executor:
+                card = robustness_card(biped, gait, executor=executor, on_progress=progress.update)
     table, text = analysis.as_dict(), str(analysis)
     if card is not None:
         table["robustness"] = card.as_dict()
@@ -230,7 +233,7 @@ def _load_source(arguments: argparse.Namespace, walk: bool) -> tuple[FrontalBipe
     source: Path = arguments.source
     if source.suffix == ".npz":
         run = load_trajectory(source)
-        if not run.gait:
+        if "format" not in run.gait:
             return watched(source, arguments.robot)[0], None, run
         gait = _gait_of(run, source)
         return _robot_of(gait, arguments), gait, run

@@ -33,9 +33,10 @@ SPEED_ERRORS = (+0.001, -0.001)
 REVERSAL_ERRORS = (-1e-3, -1e-5, 1e-5, 1e-4)  # [rad]; 1e-3 late costs 1.7 rad, and seconds, with fixed transitions
 SHOWN_STABILISERS = ("adaptive", "ankle")
 SHOWN_PUSHES: tuple[tuple[str, float], ...] = (("at the reversal", 1.0),)  # `analyze --robustness` has four
+MAP_SAMPLES = 7
 PUSH_RESOLUTION = 8.0  # [N s]
 CONTINUOUS = SimulationSettings(rtol=1e-8, atol=1e-10)  # 20 steps repeat to some 1e-10, far inside 1e-7
-SPEED_ERROR_STEPS = 4  # the decay by the multiplier shows after a few
+SPEED_ERROR_STEPS = 3  # the decay by the multiplier shows after a few
 
 Say = Callable[[str], None]
 
@@ -97,11 +98,11 @@ def _compute(
     gait = design.gait
     # half of the work goes to a second process; what it has not begun when the rest is done is done here
     with worker_processes(1) as executor:
-        robust_card = _Shared(executor, _robust_card, biped)
-        card = _Shared(executor, _card, biped, gait)
+        robust_card = _Shared(executor, _robust_card, biped, SHOWN_STABILISERS[-1:], SHOWN_PUSHES)
+        card = _Shared(executor, _card, biped, gait, SHOWN_STABILISERS)
         compared = _Shared(executor, _compare_periods, biped, gait)
         outcomes = _Shared(executor, _take_speed_errors, biped, gait)
-        sensitivity = _Shared(executor, _lose_invariance, biped, gait)
+        sensitivity = _Shared(executor, _lose_invariance, biped, gait, REVERSAL_ERRORS)
         sampled = _Shared(executor, _sampled, biped, gait, CONTROL_PERIOD, STEPS)
         with timed("analysis"):
             analysis = analyze(biped, gait)
@@ -150,9 +151,9 @@ def _take_speed_errors(biped: FrontalBiped, gait: Gait) -> tuple[SpeedErrorOutco
     return tuple(speed_error_outcome(biped, gait, error, steps=SPEED_ERROR_STEPS) for error in SPEED_ERRORS)
 
 
-def _lose_invariance(biped: FrontalBiped, gait: Gait) -> SensitivityExperiment:
+def _lose_invariance(biped: FrontalBiped, gait: Gait, shifts: tuple[float, ...]) -> SensitivityExperiment:
     """What errors of the reversal do to the gait."""
-    return reversal_sensitivity(biped, gait, shifts=REVERSAL_ERRORS)
+    return reversal_sensitivity(biped, gait, shifts=shifts)
 
 
 def _compare_periods(biped: FrontalBiped, gait: Gait) -> tuple[SampledRun, ...]:
@@ -161,19 +162,19 @@ def _compare_periods(biped: FrontalBiped, gait: Gait) -> tuple[SampledRun, ...]:
     return tuple(_sampled(biped, gait, period, COMPARED_STEPS, gains) for period in COMPARED_PERIODS)
 
 
-def _card(biped: FrontalBiped, gait: Gait) -> RobustnessCard:
-    """What the gait can take."""
-    return robustness_card(biped, gait, stabilisers=SHOWN_STABILISERS, instants=(), samples=0)
+def _card(biped: FrontalBiped, gait: Gait, stabilisers: tuple[str, ...]) -> RobustnessCard:
+    """What the gait can take; pushes are left to `analyze --robustness`."""
+    return robustness_card(biped, gait, stabilisers=stabilisers, instants=(), samples=MAP_SAMPLES)
 
 
-def _robust_card(biped: FrontalBiped) -> RobustnessCard | None:
+def _robust_card(
+    biped: FrontalBiped, stabilisers: tuple[str, ...], pushes: tuple[tuple[str, float], ...]
+) -> RobustnessCard | None:
     """What the gait of the specification `robust` can take; None where the robot has none."""
     robust = design_gait(biped, load_specification("robust")).gait
     if robust is None:
         return None
-    return robustness_card(
-        biped, robust, stabilisers=SHOWN_STABILISERS[-1:], instants=SHOWN_PUSHES, push_resolution=PUSH_RESOLUTION
-    )
+    return robustness_card(biped, robust, stabilisers=stabilisers, instants=pushes, push_resolution=PUSH_RESOLUTION)
 
 
 def _sampled(

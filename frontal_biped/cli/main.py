@@ -140,7 +140,14 @@ def _parser() -> argparse.ArgumentParser:
     analyze.add_argument(
         "--robustness",
         action="store_true",
-        help="add the robustness card: speeds that return and pushes survived, some minutes",
+        help="add the robustness card: speeds that return and pushes survived; about two minutes of processor time",
+    )
+    analyze.add_argument(
+        "--jobs",
+        metavar="N",
+        type=_positive_int,
+        default=len(os.sched_getaffinity(0)),
+        help="worker processes for the robustness card; default: the processors there are",
     )
     add_robot(analyze, None)
     add_json(analyze)

@@ -26,16 +26,18 @@ def watched(source: Path, robot: str | None, steps: int = VIEWED_STEPS) -> Watch
         robot: name or file of the robot; None: the one that the file names.
         steps: of the walk.
     """
+    from frontal_biped.cli.commands import _gait_of, _robot_of, _walk
+
     if source.suffix == ".npz":
         run = load_trajectory(source)
+        if "format" in run.gait:
+            return _robot_of(_gait_of(run, source), argparse.Namespace(robot=robot)), run
         try:
             return load_robot(robot or run.robot), run
         except FrontalBipedError as error:
             if robot:
                 raise
             raise FrontalBipedError(f"{source}: its robot cannot be loaded: {error}; name it with --robot") from None
-    from frontal_biped.cli.commands import _robot_of, _walk
-
     gait = load_gait(source)
     biped = _robot_of(gait, argparse.Namespace(robot=robot))
     return biped, _walk(biped, gait, steps, period=1e-3)

@@ -52,12 +52,12 @@ class GaitSpecification:
     step_duration: tuple[float, float] = (0.4, 0.8)
     step_width: tuple[float, float] = (0.15, 0.35)
     max_pelvis_roll: float | None = None
+    max_foot_rotation: float | None = None
     max_torque: tuple[float, float, float, float] | None = None
     max_multiplier: float | None = None
     min_energy_margin: float | None = None
     max_reversal_shift: float | None = None
     seed: int = 0
-    max_foot_rotation: float | None = None
 
     def __post_init__(self) -> None:
         degrees = self.degree if isinstance(self.degree, tuple | list) else (self.degree,)

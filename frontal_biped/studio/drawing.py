@@ -13,20 +13,21 @@ import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model import FrontalBiped
+from frontal_biped.model.frontal_chain import UPRIGHT
 from frontal_biped.model.geometry import IntArray
 from frontal_biped.simulation import Trajectory
 from frontal_biped.simulation.pushes import Push
-from frontal_biped.visualisation.meshcat_page import SceneRecorder
-from frontal_biped.visualisation.scene import COM, CONTACT, animate, draw_scene, frontal_camera
+from frontal_biped.visualisation.markers import COM, CONTACT, draw_markers
+from frontal_biped.visualisation.meshcat_page import recording
+from frontal_biped.visualisation.scene import FIRST, Actor, animate, draw_scene, frontal_camera
 
 FPS = 30.0
-PREFIX = "/meshcat/"
 
 PUSH = "push"
 """Node of the arrow that stands for a push; its tip is where the push acts."""
 
 PUSH_SHOWN = 0.5  # [s]; the push itself is over too soon to be seen
-PUSH_COLOUR = 0xD62728
+PUSH_COLOUR = (214, 39, 40)
 _AROUND = 24  # corners of a circle
 
 
@@ -64,7 +65,7 @@ class Drawing(NamedTuple):
     """
 
     shapes: tuple[Shape, ...]
-    camera: Mapping[str, list[float]]
+    camera: Mapping[str, Any]
     depth: float
 
 
@@ -101,12 +102,10 @@ class Clip:
 
 def drawing_of(biped: FrontalBiped) -> Drawing:
     """Shapes and camera of a robot."""
-    import meshcat
-
-    recorder = SceneRecorder()
-    visualizer = meshcat.Visualizer(window=recorder)
-    draw_scene(visualizer, biped)
-    _draw_push(visualizer[PUSH], float(biped.chain.joints[1, 1]))
+    recorder, visualizer = recording()
+    actors = [Actor(biped, _upright(biped), marked=False)]
+    draw_scene(visualizer, actors)
+    draw_markers(visualizer[FIRST], biped)
     poses = {c["path"]: _matrix(c["matrix"]) for c in recorder.commands if c["type"] == "set_transform"}
     shapes = []
     for command in recorder.commands:
@@ -114,17 +113,16 @@ def drawing_of(biped: FrontalBiped) -> Drawing:
             shape = _shape(command, poses.get(command["path"], np.eye(4)))
             if shape is not None:
                 shapes.append(shape)
-    return Drawing(tuple(shapes), frontal_camera(biped), _depth(biped, shapes))
+    shapes += _push_arrow(float(biped.chain.joints[1, 1]))
+    return Drawing(tuple(shapes), frontal_camera(actors), _depth(biped, shapes))
 
 
 def clip_of(biped: FrontalBiped, run: Trajectory, push: Push | None = None) -> Clip:
     """A run as an animation, with the push that was given."""
-    import meshcat
-
-    recorder = SceneRecorder()
-    animate(meshcat.Visualizer(window=recorder), biped, run, FPS)
+    recorder, visualizer = recording()
+    animate(visualizer, [Actor(biped, run)], FPS)
     command = next(c for c in recorder.commands if c["type"] == "set_animation")
-    tracks = {part["path"].removeprefix(PREFIX): _track(part["clip"]["tracks"]) for part in command["animations"]}
+    tracks = {_name(part["path"]): _track(part["clip"]["tracks"]) for part in command["animations"]}
     frames = max(len(track.position) for track in tracks.values() if track.position is not None)
     times = float(run.t[0]) + np.arange(frames) / FPS
     at = np.clip(np.searchsorted(run.t, times, side="right") - 1, 0, len(run.t) - 1)
@@ -149,7 +147,7 @@ def _shape(command: Mapping[str, Any], pose: FloatArray) -> Shape | None:
     colour = int(material.get("color", 0xCCCCCC))
     within = _matrix(described["object"].get("matrix", np.eye(4).ravel().tolist()))
     return Shape(
-        node=command["path"].removeprefix(PREFIX),
+        node=_name(command["path"]),
         vertices=mesh[0] @ within[:3, :3].T + within[:3, 3],
         faces=mesh[1],
         pose=pose,
@@ -235,6 +233,37 @@ def _depth(biped: FrontalBiped, shapes: list[Shape]) -> float:
     return farthest
 
 
+def _upright(biped: FrontalBiped) -> Trajectory:
+    """The robot standing still; what the scene's camera is pointed at."""
+    two, zero, one = np.zeros((2, 4)), np.zeros(2), np.ones(2)
+    return Trajectory(
+        t=np.array([0.0, 1.0]),
+        q=two + UPRIGHT,
+        dq=two,
+        u=two,
+        force=np.tile([0.0, biped.weight], (2, 1)),
+        p_fri=zero,
+        p_fri_target=zero,
+        q_b_desired=two[:, 1:] + UPRIGHT,
+        phase=one,
+        stance=one,
+        stance_y=one * 0.5 * biped.hip_width,
+        step=zero,
+        event_t=np.zeros(0),
+        event_kind=(),
+        event_step=np.zeros(0),
+        event_state=np.zeros((0, 8)),
+        robot=biped.name,
+        outcome="completed",
+        steps_completed=0,
+    )
+
+
+def _name(path: str) -> str:
+    """A node's name here: without MeshCat's root, and without the run it belongs to."""
+    return path.removeprefix("/meshcat/").removeprefix(f"{FIRST}/")
+
+
 def _matrix(numbers: Any) -> FloatArray:
     """MeshCat writes columns first."""
     return np.array(numbers, dtype=float).reshape(4, 4).T
@@ -253,16 +282,15 @@ def _track(tracks: list[dict[str, Any]]) -> Track:
     return Track(**found)
 
 
-def _draw_push(node: Any, hip_height: float) -> None:
+def _push_arrow(hip_height: float) -> list[Shape]:
     """An arrow along y whose tip is in the origin."""
-    import meshcat.geometry as mg
-
     length = 0.45 * hip_height
-    material = mg.MeshBasicMaterial(color=PUSH_COLOUR, depthTest=False)
-    node["shaft"].set_object(mg.Cylinder(0.7 * length, 0.02 * hip_height), material)
-    node["shaft"].set_transform(_along_y(-0.65 * length))
-    node["head"].set_object(mg.Cylinder(0.3 * length, radiusTop=0.0, radiusBottom=0.05 * hip_height), material)
-    node["head"].set_transform(_along_y(-0.15 * length))
+    shaft = _round(0.02 * hip_height, 0.02 * hip_height, 0.35 * length)
+    head = _round(0.0, 0.05 * hip_height, 0.15 * length)
+    return [
+        Shape(f"{PUSH}/{name}", *mesh, _along_y(y * length), PUSH_COLOUR, 1.0, True, False)
+        for name, mesh, y in (("shaft", shaft, -0.65), ("head", head, -0.15))
+    ]
 
 
 def _push_track(times: FloatArray, root: FloatArray, push: Push | None) -> Track:

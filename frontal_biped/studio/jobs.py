@@ -14,7 +14,7 @@ from frontal_biped.design import ConstraintReport, GaitSpecification, check_cons
 from frontal_biped.gait import Gait, load_gait
 from frontal_biped.model import FrontalBiped, load_robot
 from frontal_biped.model.catalogue import models_dir
-from frontal_biped.robustness import INSTANTS, PERIOD, PUSH_DURATION, RECOVERED
+from frontal_biped.push_recovery import INSTANTS, PERIOD, PUSH_DURATION, RECOVERED
 from frontal_biped.simulation import Disturbances
 from frontal_biped.simulation.pushes import Push
 from frontal_biped.studio.drawing import Clip, Drawing, clip_of, drawing_of
@@ -30,7 +30,7 @@ STEPS_BEFORE, STEPS_AFTER = 1, 6
 """Steps walked before and after a push."""
 
 PUSH_MOMENTS = dict(INSTANTS)
-"""When to push: place in the step by name, see `robustness.INSTANTS`."""
+"""When to push: place in the step by name, see `push_recovery.INSTANTS`."""
 
 PUSH_STABILISER = "ankle"
 

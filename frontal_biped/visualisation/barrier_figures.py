@@ -18,7 +18,6 @@ from frontal_biped.visualisation.figure_style import (
     BLACK,
     BLUE,
     GREEN,
-    ORANGE,
     PURPLE,
     VERMILION,
     legend_above,
@@ -37,7 +36,7 @@ SPEED_ERRORS = (-0.1, 0.0, 0.15)
 TIPPING = 1.15
 """Energy of that one, over the barrier's."""
 
-_LOOKS = ((BLUE, "-."), (BLACK, "-"), (GREEN, "--"), (PURPLE, (0, (5, 1, 1, 1, 1, 1))))
+_LOOKS = ((BLUE, "-."), (BLACK, "-"), (GREEN, "--"), (BLUE, (0, (5, 1, 1, 1, 1, 1))))
 _POINTS = 161
 
 
@@ -73,14 +72,16 @@ def energy_barrier(
 
     figure = new_figure("barrier", 4.9)
     upper, lower = figure.subplots(2, 1, sharex=True)
-    upper.fill_between(beta, 0.0, hill, color="#C9CED6", linewidth=0.0)
-    upper.plot(beta, hill, color=BLACK, linewidth=1.8, label=r"hill $V_Z/\delta^2$")
+    upper.fill_between(beta, 0.0, hill, color="#C9CED6", linewidth=0.0, label=r"hill $V_Z/\delta^2$")
+    upper.plot(beta, hill, color="#6B7480", linewidth=1.8, label="_hill")
     _mark_top(upper, beta[-1], top, energy.reaches_barrier)
 
     own = 0.5 * (energy.start_inertia * gait.orbit.beta_dot_after_impact) ** 2
     for error, (colour, style) in zip(speed_errors, _LOOKS, strict=False):
         name = "gait" if error == 0.0 else f"{100.0 * error:+.0f} % speed".replace("-", "−")
         zeta = own * (1.0 + error) ** 2
+        if zeta >= top and not energy.reaches_barrier:
+            continue  # what lies beyond is not known
         if zeta >= top:
             _tipping(upper, lower, beta, growth, hill, zeta, name)
             continue
@@ -95,13 +96,15 @@ def energy_barrier(
         if fallen is not None:
             lower.plot(*fallen, color=colour, linestyle=style, linewidth=0.9)
             lower.plot(fallen[0][-1], fallen[1][-1], "s", color=colour, markersize=3.5)
-    if all(own * (1.0 + error) ** 2 < top for error in speed_errors):
+    if energy.reaches_barrier and all(own * (1.0 + error) ** 2 < top for error in speed_errors):
         tipping = TIPPING * top
         name = f"{100.0 * (np.sqrt(tipping / own) - 1.0):+.0f} % speed"
         _tipping(upper, lower, beta, growth, hill, tipping, name)
     if trajectory is not None:
         places, levels = run_levels(biped, trajectory)
-        upper.plot(places, levels, "x", color=ORANGE, markersize=5, markeredgewidth=1.4, label="steps of the run")
+        upper.plot(
+            places, levels, "x", color=PURPLE, markersize=6, markeredgewidth=1.6, zorder=6, label="steps of the run"
+        )
     upper.set_ylim(0.0, 1.12 * max(upper.get_ylim()[1], top))
     if energy.reaches_barrier:
         speed = 100.0 * (np.sqrt(top / own) - 1.0)

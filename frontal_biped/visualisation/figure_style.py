@@ -34,6 +34,8 @@ BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, BLACK = (
     "#E69F00",
     "#222222",
 )
+PALE = "#8FC1E6"
+"""Of a wide line that another is drawn over; light in greyscale too."""
 JOINTS = ("stance ankle", "stance hip", "swing hip", "swing ankle")
 JOINT_STYLES = ((BLUE, "-"), (VERMILION, "--"), (GREEN, "-."), (PURPLE, ":"))
 

@@ -53,6 +53,14 @@ class SceneRecorder:
         return viewer_page("MeshCat", self.packed(), {})
 
 
+def recording() -> tuple[SceneRecorder, Any]:
+    """An empty scene in memory, and the ``meshcat.Visualizer`` that draws into it."""
+    import meshcat
+
+    recorder = SceneRecorder()
+    return recorder, meshcat.Visualizer(window=recorder)
+
+
 def recorded_scene(actors: Sequence[Actor], fps: float = 30.0) -> SceneRecorder:
     """Scene and animation of the robots of `cast`, in memory."""
     import meshcat

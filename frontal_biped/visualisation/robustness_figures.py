@@ -61,7 +61,8 @@ def sensitivity(runs: Sequence[LossOfInvariance]) -> "Figure":
         ax.axhline(1e-6, color=BLACK, linewidth=0.8, linestyle=(0, (2, 2)))
         ax.margins(0.06)
     early.set_ylabel(r"largest $|q_b - h_d|$ [rad]")
-    early.text(0.02, 1.25e-6, "1e-6", transform=early.get_yaxis_transform(), fontsize=8.0, va="bottom")
+    # half-way along, where the first error is too large and the second too small for a marker near the line
+    early.text(0.5, 1.25e-6, "1e-6", transform=early.get_yaxis_transform(), fontsize=8.0, va="bottom", ha="center")
     figure.legend(*early.get_legend_handles_labels(), loc="outside upper left", ncols=2, columnspacing=1.0)
     return figure
 

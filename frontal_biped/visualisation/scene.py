@@ -102,13 +102,8 @@ def cast(
     return actors
 
 
-def draw_scene(visualizer: Any, actors: Sequence[Actor]) -> None:
-    """Put the ground, the robots and their markers into an empty scene.
-
-    Args:
-        visualizer: a ``meshcat.Visualizer``.
-        actors: the robots, see `cast`.
-    """
+def draw_room(visualizer: Any) -> None:
+    """Put background, light and ground into an empty scene."""
     for node in ("/Grid", "/Axes"):
         visualizer[node].set_property("visible", False)
     visualizer["/Background"].set_property("top_color", [0.80, 0.87, 0.94])
@@ -116,6 +111,16 @@ def draw_scene(visualizer: Any, actors: Sequence[Actor]) -> None:
     visualizer["/Cameras/default/rotated/<object>"].set_property("fov", 36.0)
     _light(visualizer)
     _draw_ground(visualizer[GROUND])
+
+
+def draw_scene(visualizer: Any, actors: Sequence[Actor]) -> None:
+    """Put the ground, the robots and their markers into an empty scene.
+
+    Args:
+        visualizer: a ``meshcat.Visualizer``.
+        actors: the robots, see `cast`.
+    """
+    draw_room(visualizer)
     for actor in actors:
         place = visualizer[actor.node]
         place.set_transform(at(0.0, actor.shift, 0.0))
@@ -125,20 +130,24 @@ def draw_scene(visualizer: Any, actors: Sequence[Actor]) -> None:
             draw_traces(place, actor.biped, swing_traces(actor.biped, actor.trajectory))
 
 
+def robot_camera(biped: FrontalBiped) -> dict[str, list[float]]:
+    """Where a camera stands and what it looks at, xyz [m]: in front of the robot, facing it, a bit raised."""
+    size = _size(biped)
+    return {"position": [3.6 * size, 0.0, 1.2 * size], "target": [0.0, 0.0, 0.9 * size]}
+
+
 def frontal_camera(actors: Sequence[Actor]) -> dict[str, Any]:
-    """Where the page's camera stands and what it looks at, xyz [m]: in front of the robots, facing them, a bit raised.
+    """The camera of a page: as `robot_camera` of the tallest robot, before the middle of them all.
 
     The page sets this itself; MeshCat 0.3.2 has a command for the position but none for the target. ``half_width`` is
     what it must show to either side [m], however narrow the window.
     """
-    size = max(_size(actor.biped) for actor in actors)
+    tallest = max((actor.biped for actor in actors), key=_size)
     sides = [side for actor in actors for side in _reach(actor)]
-    target, middle = 0.9 * size, 0.5 * (max(sides) + min(sides))
-    return {
-        "position": [3.6 * size, middle, target + 0.3 * size],
-        "target": [0.0, middle, target],
-        "half_width": 0.5 * (max(sides) - min(sides)),
-    }
+    camera: dict[str, Any] = robot_camera(tallest)
+    for place in camera.values():
+        place[1] = 0.5 * (max(sides) + min(sides))
+    return camera | {"half_width": 0.5 * (max(sides) - min(sides))}
 
 
 def animate(visualizer: Any, actors: Sequence[Actor], fps: float = 30.0) -> None:

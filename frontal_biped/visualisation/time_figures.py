@@ -14,6 +14,7 @@ from frontal_biped.visualisation.figure_style import (
     JOINT_STYLES,
     JOINTS,
     ORANGE,
+    PALE,
     PHASE_LABELS,
     VERMILION,
     by_phase,
@@ -51,8 +52,8 @@ def joint_angles(trajectory: Trajectory, steps: int = 2) -> "Figure":
     done = "on the orbit" if trajectory.settings.get("source") == ORBIT else "simulated"
     for i, ax in enumerate(axes):
         if i > 0:
-            ax.plot(t, desired[:, i - 1], color=BLUE, linewidth=2.4, alpha=0.75, label="desired")
-        ax.plot(t, q[:, i], color=VERMILION, linestyle=(0, (4, 2)), linewidth=1.5, label=done)
+            ax.plot(t, desired[:, i - 1], color=PALE, linewidth=3.0, label="desired")
+        ax.plot(t, q[:, i], color=BLACK, linestyle=(0, (4, 2)), linewidth=1.2, label=done)
         ax.set_ylabel(f"{JOINTS[i]}\n{_LABELS[i]} [rad]")
     shade_phases(axes, run)
     handles, labels = axes[1].get_legend_handles_labels()
@@ -133,8 +134,8 @@ def ground_reaction(
     fri.axhspan(outer, inner, color=GREEN, alpha=0.15, linewidth=0.0, label="sole")
     for edge_mm in (outer, inner):
         fri.axhline(edge_mm, color=GREEN, linestyle="--", linewidth=1.0)
-    fri.plot(t, 1e3 * p[:, 1], color=BLUE, linewidth=2.4, alpha=0.75, label="target")
-    fri.plot(t, 1e3 * p[:, 0], color=VERMILION, linestyle=(0, (4, 2)), linewidth=1.5, label=r"$p_{\mathrm{FRI}}$")
+    fri.plot(t, 1e3 * p[:, 1], color=PALE, linewidth=3.0, label="target")
+    fri.plot(t, 1e3 * p[:, 0], color=BLACK, linestyle=(0, (4, 2)), linewidth=1.2, label=r"$p_{\mathrm{FRI}}$")
     fri.set_ylim(*_around(np.append(1e3 * run.p_fri, [outer, inner])))
     fri.set_ylabel("FRI from the ankle\n" + r"$p_{\mathrm{FRI}}$ [mm]")
     shade_phases(axes, run)

@@ -14,7 +14,7 @@ from frontal_biped.cli import main
 from frontal_biped.gait import load_gait, save_gait
 from frontal_biped.model import models_dir
 
-COMMANDS = ("demo", "design", "library", "analyze", "simulate", "view", "plot", "robots")
+COMMANDS = ("demo", "design", "library", "analyze", "simulate", "view", "export", "plot", "robots")
 HELP_SECONDS = 2.0  # generous: it takes about 0.1 s when Pinocchio is not imported, 0.8 s when it is
 
 
@@ -160,9 +160,28 @@ class TestGoodInput:
         page = tmp_path / "page.html"
         assert main(["view", str(run_file), "--html", str(page)]) == 0
         assert page.stat().st_size > 100_000
+        both = tmp_path / "both.html"
+        assert main(["view", str(run_file), str(gait_file), "--overlay", "--ghost", "--html", str(both)]) == 0
+        assert both.stat().st_size > page.stat().st_size
+        assert main(["view", str(run_file), "--overlay", "--html", str(tmp_path / "none.html")]) == 2
+        assert "name a second file" in capsys.readouterr().err
+        assert not (tmp_path / "none.html").exists()
         assert main(["plot", str(run_file), "-o", str(tmp_path / "figures")]) == 0
         names = {path.stem for path in (tmp_path / "figures").glob("*.svg")}
         assert {"joint_angles", "snapshots", "phase_portrait", "energy", "torques", "ground_reaction"} <= names
+
+    def test_a_run_without_its_gait_is_viewed_and_plotted(self, run_file, tmp_path):
+        """As another simulator may write it."""
+        from dataclasses import replace
+
+        from frontal_biped.simulation import load_trajectory, save_trajectory
+
+        bare = tmp_path / "bare.npz"
+        save_trajectory(replace(load_trajectory(run_file), gait={}, settings={}), bare)
+        assert main(["view", str(bare), "--html", str(tmp_path / "page.html")]) == 0
+        assert main(["export", str(bare), "-o", str(tmp_path / "run.csv")]) == 0
+        assert main(["plot", str(bare), "-o", str(tmp_path / "figures"), "--format", "pdf"]) == 0
+        assert {path.suffix for path in (tmp_path / "figures").iterdir()} == {".pdf"}
 
     def test_a_fall_is_exit_status_one(self, gait_file, capsys):
         assert main(["simulate", str(gait_file), "--steps", "2", "--speed-error", "5"]) == 1

@@ -107,12 +107,13 @@ class TestFile:
         path.write_text(
             "degree = 6\nfri_degree = 2\nfriction = 0.5\nmin_normal_force = 0.2\nfri_margin = 0.01\n"
             "swing_clearance = 0.02\ntouchdown_speed = 0.1\nmin_phase_range = 0.03\nstep_duration = [0.5, 0.6]\n"
-            "step_width = [0.2, 0.3]\nmax_pelvis_roll = 0.1\nmax_torque = [40, 90, 90, 40]\nseed = 7\n"
-            "max_multiplier = 0.7\nmin_energy_margin = 0.4\nmax_reversal_shift = 0.002\nmax_foot_rotation = 0.3\n"
+            "step_width = [0.2, 0.3]\nmax_pelvis_roll = 0.1\nmax_foot_rotation = 0.3\n"
+            "max_torque = [40, 90, 90, 40]\nseed = 7\n"
+            "max_multiplier = 0.7\nmin_energy_margin = 0.4\nmax_reversal_shift = 0.002\n"
         )
         assert read_specification(path) == GaitSpecification(
-            6, 2, 0.5, 0.2, 0.01, 0.02, 0.1, 0.03, (0.5, 0.6), (0.2, 0.3), 0.1, (40.0, 90.0, 90.0, 40.0),
-            0.7, 0.4, 0.002, 7, 0.3,
+            6, 2, 0.5, 0.2, 0.01, 0.02, 0.1, 0.03, (0.5, 0.6), (0.2, 0.3), 0.1, 0.3, (40.0, 90.0, 90.0, 40.0),
+            0.7, 0.4, 0.002, 7,
         )  # fmt: skip
 
     def test_degrees_of_the_outputs(self, tmp_path):

@@ -209,12 +209,12 @@ def test_a_pipe_is_not_waited_for(name, tmp_path):
 def test_missing_mesh_is_drawn_with_bars_and_said_in_one_line(tmp_path, caplog):
     from frontal_biped.model import load_robot
     from frontal_biped.visualisation.meshcat_page import SceneRecorder
-    from frontal_biped.visualisation.scene import draw_scene
+    from frontal_biped.visualisation.robot_shapes import draw_robot
 
     meshcat = pytest.importorskip("meshcat")
     robot = load_robot(write(tmp_path, edited(SPHERE, MESH.format("package://nowhere/torso.stl"))))
     recorder = SceneRecorder()
-    draw_scene(meshcat.Visualizer(window=recorder), robot)
+    draw_robot(meshcat.Visualizer(window=recorder)["robot"], robot)
     (record,) = caplog.records
     message = record.getMessage()
     assert "\n" not in message

@@ -101,7 +101,7 @@ def test_slider_push_and_save_in_the_browser(tmp_path):
         page.goto(studio.url)
 
         def wait_for(text):
-            page.wait_for_function(f"document.body.innerText.includes({text!r})")
+            page.wait_for_function(f"document.body.innerText.includes({text!r})", polling=500)
 
         wait_for("J = 210.22")
         thumb = page.get_by_role("slider").first

@@ -9,8 +9,6 @@ from frontal_biped.visualisation.scene import animate, cast, draw_scene
 
 pytestmark = pytest.mark.browser
 
-SETTLE = 400  # [ms] for a software renderer to draw what it was told
-
 
 @pytest.fixture(scope="module")
 def complaints():
@@ -36,14 +34,13 @@ def report(browser, biped, orbit, tmp_path_factory, complaints):
 
 def test_plays_by_itself_and_loops(report):
     _, frame = report
-    first = frame.evaluate("viewer.animator.time")
-    frame.page.wait_for_timeout(SETTLE)
     assert frame.evaluate("viewer.animator.playing")
-    assert frame.evaluate("viewer.animator.time") != first
+    frame.wait_for_function("(t) => viewer.animator.time !== t", arg=frame.evaluate("viewer.animator.time"))
     frame.evaluate("viewer.animator.seek(viewer.animator.duration - 0.05)")
-    frame.page.wait_for_timeout(2 * SETTLE)
+    frame.wait_for_function("viewer.animator.time < viewer.animator.duration - 0.1")
     assert frame.evaluate("viewer.animator.playing")
-    assert frame.evaluate("viewer.animator.time < viewer.animator.duration - 0.1")
+    frame.locator("#play").click()
+    frame.wait_for_function("!viewer.animator.playing")
 
 
 def test_figures_are_inline(report):

@@ -3,15 +3,18 @@
 import os
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import time
 import urllib.request
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from frontal_biped.exceptions import FrontalBipedError
+from frontal_biped.simulation import save_trajectory
 from frontal_biped.visualisation import LiveViewer, view_live
 
 SCRIPT = """
@@ -111,4 +114,106 @@ def test_no_orphan_after_a_signal(ending):
         viewer.communicate()
     assert errors == ""
     assert viewer.returncode == (-signal.SIGKILL if ending is signal.SIGKILL else 0)
+    assert is_free(int(url.rstrip("/").rsplit(":", 1)[1]))
+
+
+# ---------------------------------------------------------------------- the command, as a user runs it
+ENDS_WITHIN = 10.0  # [s], on a busy machine; it takes a fraction of one
+
+
+@pytest.fixture(scope="module")
+def run_file(orbit, tmp_path_factory):
+    path = tmp_path_factory.mktemp("live") / "run.npz"
+    save_trajectory(orbit, path)
+    return path
+
+
+def free_port():
+    """One far from 7000, which viewers of other tests take as soon as it is free."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+@contextmanager
+def viewing(run_file, port=None):
+    """`frontal-biped view` in a process of its own, and its address; killed at the end if it still runs."""
+    chosen = str(port or free_port())
+    command = [sys.executable, "-m", "frontal_biped", "view", str(run_file), "--no-open", "--port", chosen]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        line = process.stdout.readline()
+        assert "Ctrl+C" in line, process.stderr.read()
+        yield process, next(word for word in line.split() if word.startswith("http"))
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def ends(process, signum):
+    process.send_signal(signum)
+    _, errors = process.communicate(timeout=ENDS_WITHIN)
+    assert errors == ""
+    return process.returncode
+
+
+def connect(url):
+    """A browser's web socket by hand, as far as its first message."""
+    port = int(url.rstrip("/").rsplit(":", 1)[1])
+    client = socket.create_connection(("127.0.0.1", port), timeout=5)
+    client.sendall(
+        f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n".encode()
+    )
+    assert b"101" in client.recv(64)
+    return client, port
+
+
+def vanish(client):
+    """Gone without a goodbye: the connection is reset."""
+    client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    client.close()
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="counts processes in /proc")
+@pytest.mark.parametrize("ending", [signal.SIGTERM, signal.SIGINT, signal.SIGKILL], ids=lambda s: s.name)
+def test_browsers_that_vanish_or_stall_do_no_harm(ending, run_file):
+    with viewing(run_file) as (process, url):
+        for _ in range(3):
+            vanish(connect(url)[0])
+        stalled, port = connect(url)  # never reads on, and is there to the end
+        assert '<div id="scene">' in fetch(url)
+        assert children(process.pid) == []
+        assert ends(process, ending) == (-signal.SIGKILL if ending is signal.SIGKILL else 0)
+        stalled.close()
+        assert is_free(port)
+
+
+def test_the_port_can_be_chosen_and_a_taken_one_is_named(run_file, capsys):
+    port = free_port()
+    with viewing(run_file, port) as (process, url):
+        assert url == f"http://127.0.0.1:{port}/"
+        from frontal_biped.cli import main
+
+        assert main(["view", str(run_file), "--no-open", "--port", str(port)]) == 2
+        assert f"port {port} is in use" in capsys.readouterr().err
+        assert ends(process, signal.SIGINT) == 0
+
+
+@pytest.mark.browser
+def test_used_in_a_browser_closed_and_ended_under_an_open_one(browser, run_file):
+    with viewing(run_file) as (process, url):
+        for _ in range(2):
+            page = browser.new_page(viewport={"width": 700, "height": 420})
+            page.goto(url)
+            page.wait_for_function("window.page && viewer.animator.duration > 0")
+            page.locator("#play").click()
+            page.wait_for_function("!viewer.animator.playing")
+            if _ == 0:
+                page.close()
+        assert page.locator(".strip .mark").count() > 4
+        assert ends(process, signal.SIGTERM) == 0
+        page.keyboard.press("End")  # what was loaded stays in use
+        assert page.evaluate("window.page.now() === window.page.duration()")
+        page.close()
     assert is_free(int(url.rstrip("/").rsplit(":", 1)[1]))

@@ -208,6 +208,7 @@ def test_dragging_in_a_plot_moves_the_robot(opened):
     assert changed(start, opened.pixels()).mean() > 1e-4
 
 
+@pytest.mark.slow
 def test_dragging_in_the_phase_portrait_finds_the_nearest_state(opened):
     page = opened.page
     opened.pause()
@@ -226,6 +227,7 @@ def test_dragging_in_the_phase_portrait_finds_the_nearest_state(opened):
     assert opened.now() == pytest.approx(target, abs=0.05)
 
 
+@pytest.mark.slow
 def test_a_plot_shows_what_is_chosen(opened):
     page = opened.page
     plot = page.locator(".plot").nth(2)
@@ -242,6 +244,7 @@ def test_a_plot_shows_what_is_chosen(opened):
     page.locator("#window").select_option("0")
 
 
+@pytest.mark.slow
 def test_slow_motion(opened):
     page = opened.page
     opened.at(0.0)
@@ -287,6 +290,7 @@ def test_keyboard(opened):
     assert page.locator("#speed").input_value() == "1"
 
 
+@pytest.mark.slow
 def test_plots_fold_and_the_room_gets_dark(opened):
     page = opened.page
     opened.pause()
@@ -329,6 +333,7 @@ def test_the_robot_stands_upright_on_the_ground(opened):
     assert abs(head.mean() / mask.shape[1] - 0.5) < 0.06
 
 
+@pytest.mark.slow
 def test_a_picture_is_of_the_time_asked_for(opened):
     early, late = (Image.open(io.BytesIO(picture(opened.page, t))).convert("RGB") for t in (0.0, 0.6))
     assert early.size == (WINDOW["width"], WINDOW["height"])

@@ -13,8 +13,8 @@ import umsgpack
 from meshcat.geometry import Box
 
 from frontal_biped.exceptions import RobotError
-from frontal_biped.visualisation import animation_page, report_page
 from frontal_biped.simulation import Disturbances, Push
+from frontal_biped.visualisation import animation_page, report_page
 from frontal_biped.visualisation.markers import ribbon, swing_traces
 from frontal_biped.visualisation.meshcat_page import SceneRecorder, recorded_scene
 from frontal_biped.visualisation.page_data import MOST_SAMPLES, PANELS, page_data, samples

@@ -57,6 +57,7 @@
   const fit = () => {
     viewer.set_3d_pane_size(at("scene").clientWidth, at("scene").clientHeight);
     if (!turned) look();
+    viewer.render(); // at once: a canvas of a new size is empty
   };
   window.onload = fit;
   new ResizeObserver(fit).observe(at("scene"));
