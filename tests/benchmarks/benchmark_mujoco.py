@@ -108,7 +108,9 @@ def largest(biped: FrontalBiped, gait: Gait, engine: str, start: float, sign: fl
         if not walks:
             bad, why = size, outcome
             break
-        good, size = size, 2.0 * size
+        if size == LARGEST_PUSH:
+            return size, "nothing up to the end of the search"
+        good, size = size, min(2.0 * size, LARGEST_PUSH)
     while bad is not None and bad - good > max(1.0, 0.1 * good):
         middle = 0.5 * (good + bad)
         walks, outcome = survives(middle)
