@@ -87,12 +87,12 @@ def studio(out: Path) -> None:
 
     with tempfile.TemporaryDirectory() as folder, Studio("frontal_biped", folder=Path(folder)) as studio:
         studio.speed(0.0)  # a still picture, which software rendering can keep up with
-        session = studio.session
-        wait(lambda: session.state.fits and session.state.drawing is not None)
-        session.turn("max_pelvis_roll", 8.0)
-        wait(lambda: session.state.fits)
-        session.push(12.0, "just after the impact")
-        wait(lambda: session.state.push != "" and session.state.certificate is not None)
+        workbench = studio.workbench
+        wait(lambda: workbench.state.fits and workbench.state.drawing is not None)
+        workbench.turn("max_pelvis_roll", 8.0)
+        wait(lambda: workbench.state.fits)
+        workbench.push(12.0, "just after the impact")
+        wait(lambda: workbench.state.push != "" and workbench.state.certificate is not None)
         with browser_page(1000, 760) as page:
             page.goto(studio.url)
             page.wait_for_function("document.body.innerText.includes('certified in closed form')", polling=1000)

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from frontal_biped.exceptions import FrontalBipedError, MissingExtraError
-from frontal_biped.studio.session import Session, State
+from frontal_biped.studio.workbench import Workbench, State
 
 HOST = "127.0.0.1"  # this machine only; from another one, forward the port with ssh
 FIRST_PORT, PORTS = 8080, 100
@@ -39,19 +39,19 @@ class Studio:
         from frontal_biped.studio.stage import Stage
 
         chosen = _free_port(port)
-        self.session = Session(robot, folder)
+        self.workbench = Workbench(robot, folder)
         try:
             with contextlib.redirect_stdout(io.StringIO()):  # its banner; the address is printed by `run_studio`
                 self.server = viser.ViserServer(host=HOST, port=chosen, label="frontal_biped studio", verbose=False)
         except BaseException:
-            self.session.close()
+            self.workbench.close()
             raise
         self.url = f"http://{HOST}:{self.server.get_port()}/"
-        self._panel = Panel(self.server, self.session)
+        self._panel = Panel(self.server, self.workbench)
         self._stage = Stage(self.server, self._panel.show_phase)
         self._panel.speed.on_update(lambda _: self._stage.play(float(self._panel.speed.value)))
-        self.session.on_change = self._show
-        self.session.begin()
+        self.workbench.on_change = self._show
+        self.workbench.begin()
 
     def speed(self, value: float) -> None:
         """Play at a fraction of real time; 0 stands still."""
@@ -59,9 +59,9 @@ class Studio:
 
     def close(self) -> None:
         """Stop serving, end the workers, free the port."""
-        self.session.on_change = lambda _: None
+        self.workbench.on_change = lambda _: None
         self._stage.close()
-        self.session.close()
+        self.workbench.close()
         with contextlib.redirect_stdout(io.StringIO()):
             self.server.stop()
 

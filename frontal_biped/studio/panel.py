@@ -6,7 +6,7 @@ from frontal_biped.design import GaitSpecification
 from frontal_biped.model import robot_names
 from frontal_biped.studio.jobs import PUSH_MOMENTS
 from frontal_biped.studio.knobs import Knob
-from frontal_biped.studio.session import Session, State
+from frontal_biped.studio.workbench import Workbench, State
 from frontal_biped.studio.status import headline, margins, notice_text, push_text
 
 LARGEST_PUSH = 40.0  # [N s]
@@ -14,15 +14,15 @@ WIDTH = 400.0  # [px]
 
 
 class Panel:
-    """The controls, and what they ask of the session.
+    """The controls, and what they ask of the workbench.
 
     Args:
         server: a ``viser.ViserServer``.
-        session: what they act on.
+        workbench: what they act on.
     """
 
-    def __init__(self, server: Any, session: Session) -> None:
-        self._server, self._session = server, session
+    def __init__(self, server: Any, workbench: Workbench) -> None:
+        self._server, self._workbench = server, workbench
         self._shown: dict[str, Any] = {}
         self._sliders: dict[str, Any] = {}
         self._robot = ""
@@ -32,8 +32,8 @@ class Panel:
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
         gui.set_panel_label("frontal_biped studio")
-        names = list(dict.fromkeys([session.state.robot, *robot_names()]))
-        self._robots = gui.add_dropdown("robot", names, initial_value=session.state.robot, order=0)
+        names = list(dict.fromkeys([workbench.state.robot, *robot_names()]))
+        self._robots = gui.add_dropdown("robot", names, initial_value=workbench.state.robot, order=0)
         self._headline = gui.add_html("", order=1)
         self._folder: Any = None
         with gui.add_folder("push at the pelvis", order=3):
@@ -51,8 +51,8 @@ class Panel:
             self._phase = gui.add_html("")
             save = gui.add_button("Save gait and page", hint="into the folder where the studio was started")
             self._notice = gui.add_html("")
-        button.on_click(lambda _: session.push(float(size.value), str(moment.value)))
-        save.on_click(lambda _: session.save())
+        button.on_click(lambda _: workbench.push(float(size.value), str(moment.value)))
+        save.on_click(lambda _: workbench.save())
         self._robots.on_update(self._on_robot)
 
     def show(self, state: State) -> None:
@@ -88,7 +88,7 @@ class Panel:
                 slider.on_update(lambda event, key=knob.key: self._on_slider(event, key))
                 self._sliders[knob.key] = slider
             reset = gui.add_button("Reset", color="gray", hint="the specification that suits the robot")
-            reset.on_click(lambda _: self._session.reset())
+            reset.on_click(lambda _: self._workbench.reset())
 
     def _place_sliders(self, state: State) -> None:
         """Sliders follow a reset; the one under the user's hand already stands where it should."""
@@ -103,11 +103,11 @@ class Panel:
     def _on_slider(self, event: Any, key: str) -> None:
         if event.client is not None:  # not our own doing
             value = event.target.value
-            self._session.turn(key, (float(value[0]), float(value[1])) if isinstance(value, tuple) else float(value))
+            self._workbench.turn(key, (float(value[0]), float(value[1])) if isinstance(value, tuple) else float(value))
 
     def _on_robot(self, event: Any) -> None:
-        if event.client is not None and event.target.value != self._session.state.robot:
-            self._session.choose_robot(str(event.target.value))
+        if event.client is not None and event.target.value != self._workbench.state.robot:
+            self._workbench.choose_robot(str(event.target.value))
 
     def _put(self, handle: Any, content: str) -> None:
         if handle.content != content:

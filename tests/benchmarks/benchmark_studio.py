@@ -19,7 +19,7 @@ import time
 from pathlib import Path
 
 from frontal_biped.design import design_gait
-from frontal_biped.studio.session import Session
+from frontal_biped.studio.workbench import Workbench
 from frontal_biped.studio.worker import NewestFirst
 
 CHANGES = (
@@ -40,8 +40,8 @@ def processor_seconds(pid):
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def wait(session, done):
-    while not done(session.state):
+def wait(workbench, done):
+    while not done(workbench.state):
         time.sleep(0.005)
 
 
@@ -54,21 +54,21 @@ def measure(robot, changes):
         return made[name]
 
     with tempfile.TemporaryDirectory() as folder:
-        session = Session(robot, Path(folder), make)
-        session.begin()
+        workbench = Workbench(robot, Path(folder), make)
+        workbench.begin()
         designer = made["studio-designer"]
-        wait(session, lambda state: state.fits or state.explanation)
+        wait(workbench, lambda state: state.fits or state.explanation)
         rows = []
         for key, value in changes:
             before, began = processor_seconds(designer.pid), time.perf_counter()
-            session.turn(key, value)
-            wait(session, lambda state: not state.designing)
-            state = session.state
+            workbench.turn(key, value)
+            wait(workbench, lambda state: not state.designing)
+            state = workbench.state
             spent = processor_seconds(designer.pid) - before
             outcome = f"J = {state.gait.orbit.cost:.1f}" if state.fits else state.explanation[:50]
             rows.append((f"{key} = {value}", time.perf_counter() - began, spent, outcome))
-        late = lateness(lambda: session.turn("max_pelvis_roll", 6.0), lambda: session.state.designing)
-        session.close()
+        late = lateness(lambda: workbench.turn("max_pelvis_roll", 6.0), lambda: workbench.state.designing)
+        workbench.close()
     return rows, late
 
 

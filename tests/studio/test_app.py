@@ -108,9 +108,9 @@ def test_slider_push_and_save_in_the_browser(tmp_path):
         thumb.focus()
         page.keyboard.press("Home")  # the pelvis within 2 degrees
         wait_for("(before: 210.2)")
-        cost = studio.session.state.gait.orbit.cost
+        cost = studio.workbench.state.gait.orbit.cost
         wait_for(f"J = {cost:.2f}")
-        assert cost > 210.3 and studio.session.state.specification.max_pelvis_roll < 0.036
+        assert cost > 210.3 and studio.workbench.state.specification.max_pelvis_roll < 0.036
         wait_for("certified in closed form")
         page.get_by_role("button", name="Push").click()
         wait_for("push of 10 N s outwards")

@@ -12,7 +12,7 @@ from frontal_biped.gait import load_gait
 from frontal_biped.model import load_robot
 from frontal_biped.studio import jobs
 from frontal_biped.studio.knobs import knobs_for
-from frontal_biped.studio.session import Session
+from frontal_biped.studio.workbench import Workbench
 
 
 class Recorder:
@@ -46,9 +46,9 @@ def studio(tmp_path):
         workers[name] = Recorder(listener, name)
         return workers[name]
 
-    session = Session("frontal_biped", tmp_path, make)
-    session.begin()
-    return session, workers["studio-designer"], workers["studio-helper"]
+    workbench = Workbench("frontal_biped", tmp_path, make)
+    workbench.begin()
+    return workbench, workers["studio-designer"], workers["studio-helper"]
 
 
 @pytest.fixture(scope="session")
@@ -61,123 +61,123 @@ CERTIFIED = jobs.Certified(True, (), 1e-12, ())
 
 
 def opened(studio, designed):
-    session, designer, helper = studio
+    workbench, designer, helper = studio
     helper.answer("a drawing")
     designer.answer(designed)
-    return session, designer, helper
+    return workbench, designer, helper
 
 
 def test_opening_draws_designs_and_certifies(studio, designed):
-    session, designer, helper = studio
+    workbench, designer, helper = studio
     assert designer.last[0] is jobs.opening and helper.last[0] is jobs.draw
     designer.answer(designed)
-    assert session.state.gait is designed.gait and session.state.fits
+    assert workbench.state.gait is designed.gait and workbench.state.fits
     assert len(helper.requests) == 1  # the drawing is not interrupted
     helper.answer("a drawing")
-    assert session.state.drawing == "a drawing"
+    assert workbench.state.drawing == "a drawing"
     assert helper.last == (jobs.certify, ("frontal_biped", designed.gait))
     helper.answer(CERTIFIED)
-    assert session.state.certificate is CERTIFIED
+    assert workbench.state.certificate is CERTIFIED
 
 
 def test_newest_slider_wins_and_starts_from_the_present_gait(studio, designed):
-    session, designer, _ = opened(studio, designed)
+    workbench, designer, _ = opened(studio, designed)
     for degrees in (15.0, 12.0, 9.0):
-        session.turn("max_pelvis_roll", degrees)
+        workbench.turn("max_pelvis_roll", degrees)
     job, (robot, specification, start) = designer.last
     assert job is jobs.design and robot == "frontal_biped" and start is designed.gait
     assert specification.max_pelvis_roll == pytest.approx(np.radians(9.0), abs=1e-9)
     stale = dataclasses.replace(designed, message="stale")
     designer.answer(stale, number=len(designer.requests) - 1)
-    assert not session.state.fits and session.state.designing
+    assert not workbench.state.fits and workbench.state.designing
     designer.answer(designed)
-    assert session.state.fits and session.state.designs == 2
-    assert session.state.previous_cost == designed.gait.orbit.cost
+    assert workbench.state.fits and workbench.state.designs == 2
+    assert workbench.state.previous_cost == designed.gait.orbit.cost
 
 
 def test_no_design_for_a_slider_that_stands_where_it_stood(studio, designed):
-    session, designer, _ = opened(studio, designed)
+    workbench, designer, _ = opened(studio, designed)
     count = len(designer.requests)
-    session.turn("friction", 0.6)
+    workbench.turn("friction", 0.6)
     assert len(designer.requests) == count
 
 
 def test_impossible_specification_keeps_the_last_gait(studio, designed):
-    session, designer, _ = opened(studio, designed)
-    session.turn("friction", 0.1)
+    workbench, designer, _ = opened(studio, designed)
+    workbench.turn("friction", 0.1)
     designer.answer(REFUSED)
-    assert session.state.gait is designed.gait and not session.state.fits
-    assert session.state.explanation == REFUSED.message
-    session.turn("friction", 0.6)
+    assert workbench.state.gait is designed.gait and not workbench.state.fits
+    assert workbench.state.explanation == REFUSED.message
+    workbench.turn("friction", 0.6)
     designer.answer(designed)
-    assert session.state.explanation == "" and session.state.fits
+    assert workbench.state.explanation == "" and workbench.state.fits
 
 
 def test_refused_value_is_explained_and_nothing_runs(studio, designed):
-    session, designer, _ = opened(studio, designed)
+    workbench, designer, _ = opened(studio, designed)
     count = len(designer.requests)
-    session.turn("friction", 0.0)
-    assert "friction = 0 must be positive" in session.state.explanation
+    workbench.turn("friction", 0.0)
+    assert "friction = 0 must be positive" in workbench.state.explanation
     assert len(designer.requests) == count
 
 
 def test_push_goes_before_the_certificate_which_is_made_up_for(studio, designed):
-    session, _, helper = opened(studio, designed)
+    workbench, _, helper = opened(studio, designed)
     assert helper.last[0] is jobs.certify
-    session.push(10.0, "at the reversal")
+    workbench.push(10.0, "at the reversal")
     assert helper.last == (jobs.push, ("frontal_biped", designed.gait, 10.0, "at the reversal"))
     helper.answer(jobs.Pushed(True, "push: recovered", None))
-    assert session.state.push_recovered
+    assert workbench.state.push_recovered
     assert helper.last[0] is jobs.certify
 
 
 def test_outcome_of_a_push_on_an_older_gait_is_dropped(studio, designed):
-    session, designer, helper = opened(studio, designed)
-    session.push(10.0, "at the reversal")
+    workbench, designer, helper = opened(studio, designed)
+    workbench.push(10.0, "at the reversal")
     number = len(helper.requests)
-    session.turn("friction", 0.5)
+    workbench.turn("friction", 0.5)
     designer.answer(designed)
     helper.answer(jobs.Pushed(True, "push: recovered", None), number=number)
-    assert session.state.push == ""
+    assert workbench.state.push == ""
     assert helper.last[0] is jobs.certify
 
 
 def test_save_writes_gait_and_page_and_overwrites_nothing(studio, designed, tmp_path):
-    session, _, helper = opened(studio, designed)
+    workbench, _, helper = opened(studio, designed)
     for number in (1, 2):
-        session.save()
+        workbench.save()
         assert helper.last[0] is jobs.page
         helper.answer("<html>page</html>")
-        assert f"frontal_biped-{number}.html" in session.state.notice
+        assert f"frontal_biped-{number}.html" in workbench.state.notice
         assert load_gait(tmp_path / f"frontal_biped-{number}.gait.json").orbit == designed.gait.orbit
         assert (tmp_path / f"frontal_biped-{number}.html").read_text() == "<html>page</html>"
 
 
 def test_another_robot_brings_its_own_specification(studio, designed):
-    session, designer, helper = opened(studio, designed)
+    workbench, designer, helper = opened(studio, designed)
     number = len(designer.requests)
-    session.turn("friction", 0.5)
-    session.choose_robot("talos_full")
-    assert session.state.gait is None and session.state.robot == "talos_full"
-    assert session.state.specification == default_specification(load_robot("talos_full"))
+    workbench.turn("friction", 0.5)
+    workbench.choose_robot("talos_full")
+    assert workbench.state.gait is None and workbench.state.robot == "talos_full"
+    assert workbench.state.specification == default_specification(load_robot("talos_full"))
     designer.answer(designed, number=number + 1)  # of the robot before
-    assert session.state.gait is None
+    assert workbench.state.gait is None
     assert designer.last[0] is jobs.opening and helper.last[0] is jobs.draw
-    session.choose_robot("no_such_robot")
-    assert session.state.robot == "talos_full" and "no robot 'no_such_robot'" in session.state.notice
+    workbench.choose_robot("no_such_robot")
+    assert workbench.state.robot == "talos_full" and "no robot 'no_such_robot'" in workbench.state.notice
 
 
 def test_nothing_to_push_or_save_before_the_first_gait(studio):
-    session, _, helper = studio
-    session.push(10.0, "at the reversal")
-    assert "no gait" in session.state.notice
-    session.save()
-    assert "no gait" in session.state.notice and len(helper.requests) == 1
+    workbench, _, helper = studio
+    workbench.push(10.0, "at the reversal")
+    assert "no gait" in workbench.state.notice
+    workbench.save()
+    assert "no gait" in workbench.state.notice and len(helper.requests) == 1
 
 
 def test_closing_ends_both_workers(studio):
-    session, designer, helper = studio
-    session.close()
+    workbench, designer, helper = studio
+    workbench.close()
     assert designer.closed and helper.closed
 
 

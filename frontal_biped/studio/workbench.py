@@ -23,7 +23,7 @@ from frontal_biped.studio.worker import Job, Listener, NewestFirst
 
 
 class Worker(Protocol):
-    """What a session asks of a worker; see `worker.NewestFirst`."""
+    """What a workbench asks of a worker; see `worker.NewestFirst`."""
 
     def submit(self, job: Job, *arguments: Any) -> int:
         """Run a job instead of what runs; returns the number of the request."""
@@ -78,7 +78,7 @@ class State:
     knobs: tuple[Knob, ...] = field(default=(), repr=False)
 
 
-class Session:
+class Workbench:
     """The studio without its screen.
 
     Args:
