@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from frontal_biped.exceptions import FrontalBipedError, MissingExtraError
-from frontal_biped.studio.workbench import Workbench, State
+from frontal_biped.studio.workbench import State, Workbench
 
 HOST = "127.0.0.1"  # this machine only; from another one, forward the port with ssh
 FIRST_PORT, PORTS = 8080, 100

@@ -6,8 +6,8 @@ from frontal_biped.design import GaitSpecification
 from frontal_biped.model import robot_names
 from frontal_biped.studio.jobs import PUSH_MOMENTS
 from frontal_biped.studio.knobs import Knob
-from frontal_biped.studio.workbench import Workbench, State
 from frontal_biped.studio.status import headline, margins, notice_text, push_text
+from frontal_biped.studio.workbench import State, Workbench
 
 LARGEST_PUSH = 40.0  # [N s]
 WIDTH = 400.0  # [px]
