@@ -193,13 +193,15 @@ def view_live(
         visualizer = meshcat.Visualizer(window=viewer)
         draw_scene(visualizer, actors)
         animate(visualizer, actors)
-        ending = " (Ctrl+C to quit)" if wait else ""
-        sys.stdout.write(f"Viewer at {viewer.url}{ending}\n")
-        sys.stdout.flush()
-        if open_browser and _has_display():
-            webbrowser.open(viewer.url, new=2)
         if wait:
-            _wait_for_interrupt()
+            # the address is told while SIGTERM is listened to: who reads it may end the viewer at once
+            with _until_interrupted() as ended:
+                _announce(viewer.url, " (Ctrl+C to quit)", open_browser)
+                # in slices, so that Ctrl+C is served on every platform
+                while not ended.wait(0.2):
+                    pass
+        else:
+            _announce(viewer.url, "", open_browser)
     except BaseException:
         viewer.close()
         raise
@@ -208,11 +210,17 @@ def view_live(
     return viewer
 
 
-def _wait_for_interrupt() -> None:
+def _announce(url: str, ending: str, open_browser: bool) -> None:
+    sys.stdout.write(f"Viewer at {url}{ending}\n")
+    sys.stdout.flush()
+    if open_browser and _has_display():
+        webbrowser.open(url, new=2)
+
+
+@contextlib.contextmanager
+def _until_interrupted() -> Iterator[threading.Event]:
     with _sigterm_sets(threading.Event()) as ended, contextlib.suppress(KeyboardInterrupt):
-        # in slices, so that Ctrl+C is served on every platform
-        while not ended.wait(0.2):
-            pass
+        yield ended
 
 
 @contextlib.contextmanager
