@@ -69,7 +69,6 @@ def serve(command: str, arguments: list[str]) -> None:
     process = subprocess.Popen([PROGRAM, command, *arguments], stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     line = process.stdout.readline()
-    time.sleep(3.0)  # an impatient signal may come before it is listened to
     process.send_signal(signal.SIGTERM)
     assert process.wait(60) == 0 and "http://127.0.0.1:" in line, line
     print(f"frontal-biped {command} {' '.join(arguments)}: {line.strip()}", flush=True)
