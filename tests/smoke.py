@@ -40,7 +40,10 @@ RUNS = {
     ],
     "library": [(["sweep.toml", "-o", "gaits", "--jobs", "2"], "gaits/index.csv")],
     "analyze": [(["gait.json"], None)],
-    "simulate": [(["gait.json", "--steps", "2", "-o", "run.npz"], "run.npz")],
+    "simulate": [
+        (["gait.json", "--steps", "2", "-o", "run.npz"], "run.npz"),
+        (["gait.json", "--steps", "2", "--engine", "mujoco", "-o", "mujoco.npz"], "mujoco.npz"),
+    ],
     "trial": [(["walk.scenario.toml"], None)],
     "view": [
         (["run.npz", "--html", "page.html"], "page.html"),
