@@ -10,6 +10,7 @@ from frontal_biped.simulation import load_trajectory
 
 FILES = {"gait.json", "run.npz", "report.json", "report.html", "figures"}
 FIGURES = {
+    "barrier",
     "joint_angles",
     "snapshots",
     "phase_portrait",
