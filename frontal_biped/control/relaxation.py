@@ -1,13 +1,15 @@
 """The nearest program that has a solution: limits give way in an order, motors never.
 
-Every row of the contact and of the joints gets a slack s, penalised by its square,
+First the least overstepping: every row of the contact and of the joints gets a slack s, penalised by its square,
 
     minimise    1/2 |s_contact|^2 + 1/2 w_j |s_joints|^2 + w_t (the cost of the walking program)
     subject to  its dynamics and torque limits as they are,   l <= C x + s <= u   for the other rows,
 
-with rows in the units of the program (the weight, the weight on 0.1 m, 10 rad/s^2) and 1 > w_j > w_t: a robot saves
-first its footing, then its joints, then its gait. The motors' limits stay, for no command can overstep them, and with
-them alone there is always a solution: u = 0. (The weights go down from 1, not up: ProxQP's tolerances are absolute.)
+with rows in the units of the program (the weight, the weight on 0.1 m, 10 rad/s^2) and w_j < 1; w_t only makes the
+answer unique. Then the walking program itself, its limits moved by s: a robot saves first its footing, then its joints,
+then its gait. Both torques and overstepping are continuous where a program begins to have no solution, as s is zero
+there; torques that jump would make a robot chatter along that border. The motors' limits stay, for no command can
+overstep them, and with them alone there is always a solution: u = 0.
 """
 
 import numpy as np
@@ -18,7 +20,8 @@ from frontal_biped.quadratic_program import QuadraticProgram
 
 CONTACT_WEIGHT = 1.0
 JOINT_WEIGHT = 1e-2  # w_j
-TASK_WEIGHT = 1e-4  # w_t
+TASK_WEIGHT = 1e-7  # w_t
+SLACK = 1e-6  # more room than is needed, for the tolerance of the slacks
 
 
 class RelaxedQp:
@@ -38,7 +41,7 @@ class RelaxedQp:
         H, A, C = np.zeros((size, size)), np.zeros((len(original.b), size)), np.zeros((rows, size))
         H[n:, n:] = np.diag(weight[soft])
         C[soft, n + np.arange(len(soft))] = 1.0
-        self._n = n
+        self._n, self._soft = n, soft
         self.program = QuadraticProgram(H, np.zeros(size), A, original.b, C, original.l, original.u)
 
     def build(self, original: QuadraticProgram) -> QuadraticProgram:
@@ -47,6 +50,14 @@ class RelaxedQp:
         program.H[:n, :n], program.g[:n] = TASK_WEIGHT * original.H, TASK_WEIGHT * original.g
         program.A[:, :n], program.C[:, :n] = original.A, original.C
         return program._replace(b=original.b, l=original.l, u=original.u)
+
+    def widened(self, original: QuadraticProgram, x: FloatArray) -> QuadraticProgram:
+        """The walking program with its limits moved as far as a solution x of `build` says."""
+        s = x[self._n :]
+        l, u = original.l.copy(), original.u.copy()
+        l[self._soft] -= np.maximum(s, 0.0) + SLACK
+        u[self._soft] += np.maximum(-s, 0.0) + SLACK
+        return original._replace(l=l, u=u)
 
 
 def violation(program: QuadraticProgram, x: FloatArray) -> float:

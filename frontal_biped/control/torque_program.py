@@ -102,9 +102,12 @@ class TorqueProgram:
         if solution.solved:
             solution = refined(program, solution)
         else:
-            solution = self._relaxed_solver.solve(self._relaxed.build(program), warm=False)
-            if not solution.solved:
+            least = self._relaxed_solver.solve(self._relaxed.build(program), warm=False)
+            if not least.solved:
                 return None
+            widened = self._relaxed.widened(program, least.x)
+            solution = self._solver.solve(widened, warm=False)
+            solution = refined(widened, solution) if solution.solved else least
             source, overstepped = Source.RELAXED, violation(program, solution.x)
         x = solution.x[:VARIABLES] * qp.scale
         relaxation = 0.0 if targets.decrease is None else qp.delta_unit * float(solution.x[DELTA])
