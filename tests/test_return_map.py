@@ -15,6 +15,7 @@ from frontal_biped.simulation import SimulationSettings
 from frontal_biped.walking import simulate
 from frontal_biped.zero_dynamics import resample
 
+AGREED = 1.8  # speed ratio up to which the ankle law on the robust gait is as its map says
 MAP = 1e-5  # relative, closed form against the full model (bound of the design)
 INVARIANCE = 1e-6  # [rad] (bound of the design)
 SLOPE = 1e-4  # one-sided differences of a map with curvature
@@ -97,28 +98,39 @@ def test_map_against_the_full_model(biped, request, name, stabiliser, error):
     assert run.settings["controller"]["unsolved"] == 0
 
 
+def landed_speeds(biped, gait, stabiliser, ratio):
+    """Post-impact speed after one step from a speed ratio: full model, restricted map [rad/s]."""
+    restricted = RestrictedMap(biped, gait, make_stabiliser(stabiliser, biped, gait))
+    run = simulate(
+        biped,
+        gait,
+        steps=1,
+        speed_error=float(ratio) - 1.0,
+        stabiliser=restricted.stabiliser,
+        simulation_settings=SimulationSettings(rtol=1e-8, atol=1e-10, record_rate=50.0),
+    )
+    assert run.outcome == "completed"
+    return run.post_impact_states()[-1, 4], restricted.step(restricted.start(float(ratio))).landed.dbeta
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("stabiliser", ["adaptive", "ankle"])
-def test_map_against_the_full_model_over_the_whole_basin(biped, gait, stabiliser, robust_gait, request):
+def test_map_against_the_full_model_over_the_whole_basin(biped, gait, stabiliser, robust_gait):
     """One step from each of twelve speeds, end to end of the interval that returns."""
-    if gait is robust_gait and stabiliser == "ankle":
-        # an open fault: agrees up to +80 %; at +94 % the full model leaves Z at the reversal, 4 % off in speed
-        request.applymarker(pytest.mark.xfail(strict=True, reason="the full model leaves Z at the reversal at +94 %"))
-    restricted = RestrictedMap(biped, gait, make_stabiliser(stabiliser, biped, gait))
-    basin = restricted.basin()
+    basin = RestrictedMap(biped, gait, make_stabiliser(stabiliser, biped, gait)).basin()
     assert basin.low < 0.97 < 1.03 < basin.high
-    for ratio in np.linspace(basin.low, basin.high, 12):
-        step = restricted.step(restricted.start(float(ratio)))
-        run = simulate(
-            biped,
-            gait,
-            steps=1,
-            speed_error=float(ratio) - 1.0,
-            stabiliser=restricted.stabiliser,
-            simulation_settings=SimulationSettings(rtol=1e-8, atol=1e-10, record_rate=50.0),
-        )
-        assert run.outcome == "completed"
-        assert run.post_impact_states()[-1, 4] == pytest.approx(step.landed.dbeta, rel=MAP), ratio
+    # what lies beyond on the robust gait is an open fault, see the next test
+    high = AGREED if gait is robust_gait and stabiliser == "ankle" else basin.high
+    for ratio in np.linspace(basin.low, high, 12):
+        full, closed = landed_speeds(biped, gait, stabiliser, ratio)
+        assert full == pytest.approx(closed, rel=MAP), ratio
+
+
+@pytest.mark.slow
+@pytest.mark.xfail(strict=True, reason="the full model leaves Z at the reversal and lands 4 % faster")
+def test_map_of_the_ankle_law_on_the_robust_gait_from_near_twice_the_speed(biped, robust_gait):
+    full, closed = landed_speeds(biped, robust_gait, "ankle", 1.94)
+    assert full == pytest.approx(closed, rel=MAP)
 
 
 def test_ankle_law_keeps_the_target_in_the_sole(biped, robust_gait):

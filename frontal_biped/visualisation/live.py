@@ -213,7 +213,7 @@ def view_live(
 def _announce(url: str, ending: str, open_browser: bool) -> None:
     sys.stdout.write(f"Viewer at {url}{ending}\n")
     sys.stdout.flush()
-    if open_browser and _has_display():
+    if open_browser and has_display():
         webbrowser.open(url, new=2)
 
 
@@ -240,7 +240,8 @@ def _sigterm_sets(event: threading.Event) -> Iterator[threading.Event]:
         signal.signal(signal.SIGTERM, before)
 
 
-def _has_display() -> bool:
+def has_display() -> bool:
+    """Can a browser be opened here? Never in continuous integration."""
     if os.environ.get("CI"):
         return False
     return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
