@@ -19,6 +19,7 @@ MAY_IMPORT = {
     "model": set(),
     "quadrature": set(),
     "quadratic_program": set(),
+    "least_distance": set(),
     "virtual_constraints": {"model"},
     "zero_dynamics": {"model", "virtual_constraints", "quadrature"},
     "poincare": {"model", "virtual_constraints", "zero_dynamics"},
@@ -33,11 +34,13 @@ MAY_IMPORT = {
     "gait": {"model", "virtual_constraints", "zero_dynamics", "poincare"},
     "design": {
         "model", "quadrature", "virtual_constraints", "zero_dynamics", "poincare", "gait", "simulation", "walking",
+        "least_distance",
     },
     "library": {"model", "design", "gait"},
     "contact_margins": {"model", "zero_dynamics", "poincare", "phase_energy", "half_steps", "gait"},
     "control": {
-        "model", "virtual_constraints", "gait", "quadratic_program", "phase_energy", "half_steps", "contact_margins",
+        "model", "virtual_constraints", "gait", "quadratic_program", "least_distance", "phase_energy", "half_steps",
+        "contact_margins",
     },
     "return_map": {"model", "virtual_constraints", "phase_energy", "half_steps", "gait", "contact_margins", "control"},
     "simulation": {"model", "virtual_constraints", "control"},

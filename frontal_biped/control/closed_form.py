@@ -4,6 +4,11 @@ The accelerations that give the output the acceleration asked for are a line, dd
 dbeta^2) and c = (1, h_d'). The generalised forces along it are W = M a + bias + M c ddbeta, with M and bias of the
 floating model held still, W = (F_h, F_v, N_0, u); its rows F_v and N_0 give the one unknown left from N_0 = p_FRI F_v.
 The divisor, (M c)_N - p_FRI (M c)_F, is I_P on Z, and zero exactly where the decoupling matrix is singular (C03).
+
+A motion that misses its targets by ddy - v = a_0 r_1..3, N_0 - p_FRI F_v = T_0 r_4 is affine in the residuals r, with
+m = M_N - p_FRI M_F and I_P = m c:
+
+    dddbeta/dr = k = (-a_0 m_b, T_0) / I_P,    dddq/dr = c k' + a_0 [0 0; I 0],    dW/dr = M dddq/dr
 """
 
 from typing import NamedTuple
@@ -65,6 +70,9 @@ class StanceDynamics:
         self._q, self._dq = np.zeros(BASE + 4), np.zeros(BASE + 4)
         self._line = np.zeros((2, BASE + 4))  # a and c, behind the foot at rest
         self._line[1, BASE] = 1.0
+        self._k = np.zeros(4)
+        self._of_outputs = np.zeros((4, 4))
+        self._of_outputs[1:, :3] = np.eye(3)
         self.M, self.bias = np.eye(BASE + 4), np.zeros(BASE + 4)
 
     def move_to(self, q: FloatArray, dq: FloatArray) -> None:
@@ -89,3 +97,21 @@ class StanceDynamics:
         ddq = line[1, BASE:] * ddbeta
         ddq += line[0, BASE:]
         return Motion(ddq, forces)
+
+    def along_residuals(self, p_fri: float, a_0: float, T_0: float) -> tuple[FloatArray, FloatArray]:
+        """(4, 4) and (7, 4) derivatives of ddq and the forces with respect to the residuals of the last motion.
+
+        Args:
+            p_fri: its FRI target [m].
+            a_0: unit of the outputs' residuals [rad/s^2].
+            T_0: unit of the FRI's [N m].
+        """
+        M, c, k = self.M[:, BASE:], self._line[1, BASE:], self._k
+        m = M[1] * -p_fri
+        m += M[2]
+        np.multiply(m[1:], -a_0, out=k[:3])
+        k[3] = T_0
+        k /= m.dot(c)
+        ddq = c[:, None] * k
+        ddq += a_0 * self._of_outputs
+        return ddq, M.dot(ddq)

@@ -1,8 +1,8 @@
 """The walking controller: virtual constraints and FRI target through the quadratic program."""
 
 import logging
-from dataclasses import dataclass, replace
 from math import isfinite
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,8 +27,7 @@ SHIFT_ROOM = 0.7
 lighter than its model puts the FRI a fifth further out."""
 
 
-@dataclass(frozen=True)
-class Command:
+class Command(NamedTuple):
     """Answer of one control tick.
 
     Attributes:
@@ -201,8 +200,8 @@ class QpController:
     def _held(self, y: FloatArray | None = None, dy: FloatArray | None = None, p_fri: float | None = None) -> Command:
         """The last command again, before the first no torques; output and target, where known, of this tick."""
         none = Command(np.zeros(4), np.zeros(4), np.zeros(2), np.zeros(3), np.zeros(3), 0.0, Source.HELD)
-        held = replace(self._last or none, source=Source.HELD)
-        return held if y is None or dy is None or p_fri is None else replace(held, y=y, dy=dy, p_fri_target=p_fri)
+        held = (self._last or none)._replace(source=Source.HELD)
+        return held if y is None or dy is None or p_fri is None else held._replace(y=y, dy=dy, p_fri_target=p_fri)
 
     def phase(self, phase: StepPhase) -> Phase:
         """Virtual constraints of a phase, as the stabiliser last chose them."""

@@ -56,12 +56,17 @@ class JointLimits:
         upper: (4,) highest positions [rad].
         max_velocity: (4,) largest speeds [rad/s].
         rate: r, the rate at which a limit may be approached [1/s].
+
+    Attributes:
+        limited: the joints that have any limit.
     """
 
     def __init__(self, lower: FloatArray, upper: FloatArray, max_velocity: FloatArray, rate: float) -> None:
         self.rate = rate
         self._lower, self._upper = rate**2 * lower, rate**2 * upper
         self._velocity = 2.0 * rate * max_velocity
+        bounded = np.isfinite(lower) | np.isfinite(upper) | np.isfinite(max_velocity)
+        self.limited = np.flatnonzero(bounded)
         # the same in plain numbers: on four joints NumPy's calls would cost more than the arithmetic
         self._ranges = list(zip(self._lower.tolist(), self._upper.tolist(), self._velocity.tolist(), strict=True))
 

@@ -32,8 +32,8 @@ from frontal_biped.phase_energy import PhaseEnergy, phase_energy
 from frontal_biped.virtual_constraints.anchoring import (
     ContinuedPhase,
     anchored_falling,
+    rescaled_falling,
     stretched,
-    with_ends,
 )
 from frontal_biped.virtual_constraints.phase import Phase
 
@@ -190,15 +190,8 @@ class LookAheadTransitions:
         if late or error < REJOINING:
             yield self.plain.falling(rising, reversal)
         if late and abs(rising.beta_end - planned.beta_start) > AS_PLANNED:
-            yield anchored_falling(self._rescaled(rising, rising.beta_end), rising, reversal)
-        yield self._rescaled(rising, reversal)
-
-    def _rescaled(self, rising: Phase, start: float) -> Phase:
-        """The planned falling phase rescaled as a whole, to begin on the rising one at ``start`` [rad]."""
-        planned = self.gait.falling
-        at = rising.motion(np.array([start]))
-        end = planned.beta_end, planned.joint_bezier[:, -1]
-        return with_ends(planned, start, at.q[0, 1:], at.dq[0, 1:], *end, float(at.p_fri[0]), spread=True)
+            yield anchored_falling(rescaled_falling(planned, rising, rising.beta_end), rising, reversal)
+        yield rescaled_falling(planned, rising, reversal)
 
     def _falling_outlook(self, phase: Phase, reversal: float, dbeta: float) -> Outlook:
         try:

@@ -1,4 +1,8 @@
-"""From targets to torques: closed form, quadratic program, relaxed program, in this order."""
+"""From targets to torques: closed form, quadratic program, relaxed program, in this order.
+
+The program is solved exactly in the residuals of its targets (`nearest_motion`); ProxQP, to its tolerance, where that
+is not possible to rounding, and at every tick if asked to.
+"""
 
 from enum import Enum
 from math import isfinite
@@ -9,6 +13,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.closed_form import Targets
 from frontal_biped.control.limits import ContactLimits, JointLimits
+from frontal_biped.control.nearest_motion import NearestMotion
 from frontal_biped.control.relaxation import RelaxedQp, violation
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.walking_qp import DDQ, DELTA, FORCE, VARIABLES, U, WalkingQp
@@ -64,7 +69,8 @@ class TorqueProgram:
     Args:
         biped: the robot.
         settings: limits and tolerances.
-        shortcut: take the closed form where no limit is active? False: ask ProxQP at every tick.
+        shortcut: take the closed form where no limit is active, and solve in the residuals of the targets where one
+            is? False: ask ProxQP at every tick.
     """
 
     def __init__(self, biped: FrontalBiped, settings: ControllerSettings, shortcut: bool = True) -> None:
@@ -77,6 +83,7 @@ class TorqueProgram:
         price = settings.relaxation_price if settings.outputs == "clf" else None
         self.qp = WalkingQp(biped, limits, joints, price)
         self.shortcut = shortcut
+        self._nearest = NearestMotion(biped, self.qp.dynamics, limits, joints, settings.relaxation_price)
         self._solver = ProxQpSolver(settings.accuracy, settings.max_iterations, penalty_parameter=PENALTY_PARAMETER)
         self._relaxed = RelaxedQp(self.qp.program, self.qp.rows)
         self._relaxed_solver = ProxQpSolver(RELAXED_ACCURACY, settings.max_iterations, relative=RELAXED_ACCURACY)
@@ -84,14 +91,37 @@ class TorqueProgram:
 
     def solve(self, q: FloatArray, dq: FloatArray, targets: Targets) -> Answer | None:
         """Torques at q (4,) [rad], dq (4,) [rad/s]; None where even the relaxed program is not solved."""
+        self.qp.move_to(q, dq)
+        answer = self._exactly(q, dq, targets) if self.shortcut else None
+        if answer is None:
+            return self._by_proxqp(targets)
+        self._was_active = False
+        return answer
+
+    def _exactly(self, q: FloatArray, dq: FloatArray, targets: Targets) -> Answer | None:
+        """The answer to rounding; None where that cannot be had."""
         qp = self.qp
-        qp.move_to(q, dq)
-        if self.shortcut:
-            motion = qp.closed_form(targets)
-            if motion is not None:
-                self._was_active = False
-                forces = motion.forces
-                return Answer(Source.CLOSED_FORM, forces[BASE:], motion.ddq, forces[:2], 0.0, targets.relaxation)
+        motion = qp.dynamics.linearising(targets)
+        if motion is None:
+            return None
+        if qp.keeps_limits(motion):
+            forces = motion.forces
+            return Answer(Source.CLOSED_FORM, forces[BASE:], motion.ddq, forces[:2], 0.0, targets.relaxation)
+        nearest = self._nearest.solve(q, dq, targets, motion)
+        if nearest is None:
+            return None
+        (ddq, forces), relaxation, violation = nearest
+        source = Source.RELAXED if violation else Source.PROGRAM
+        return Answer(source, self._clipped(forces[BASE:]), ddq, forces[:2], violation, relaxation)
+
+    def _clipped(self, u: FloatArray) -> FloatArray:
+        """The torques within the motors' limits to the last digit, whatever the tolerance they were found to."""
+        most = self.qp.limits.max_torque
+        return np.minimum(np.maximum(u, -most), most)
+
+    def _by_proxqp(self, targets: Targets) -> Answer | None:
+        """ProxQP's answer, of the relaxed program where it finds none; None where it finds neither."""
+        qp = self.qp
         program = qp.build(targets)
         if not isfinite(program.g.sum() + program.b.sum() + program.A.sum()):
             return None
@@ -111,6 +141,4 @@ class TorqueProgram:
             source, overstepped = Source.RELAXED, violation(program, solution.x)
         x = solution.x[:VARIABLES] * qp.scale
         relaxation = 0.0 if targets.decrease is None else qp.delta_unit * float(solution.x[DELTA])
-        most = qp.limits.max_torque
-        u = np.clip(x[U], -most, most)  # to the last digit, whatever the solver's tolerance
-        return Answer(source, u, x[DDQ], x[FORCE], overstepped, relaxation)
+        return Answer(source, self._clipped(x[U]), x[DDQ], x[FORCE], overstepped, relaxation)

@@ -22,6 +22,7 @@ from frontal_biped.virtual_constraints.anchoring import (
     anchored_falling,
     anchored_rising,
     continued,
+    rescaled_falling,
     with_ends,
 )
 from frontal_biped.virtual_constraints.phase import Phase
@@ -92,11 +93,14 @@ class AdaptiveTransitions:
         biped: the robot.
         gait: the gait.
         anticipate: stretch the rising phase of a landing so fast that its continuation would overload the robot?
+        rejoin: does an early falling phase rejoin its path, which keeps the return map, or is it rescaled as a whole,
+            which asks less where reversals are always a little off?
     """
 
     biped: FrontalBiped
     gait: Gait
     anticipate: bool = True
+    rejoin: bool = True
 
     name = "adaptive"
 
@@ -198,6 +202,8 @@ class AdaptiveTransitions:
             planned = with_ends(planned, rising.beta_end, at.q[0, 1:], slope, beta, pose, p_fri)
         if reversal >= planned.beta_start:
             return anchored_falling(planned, rising, reversal)
+        if not self.rejoin:
+            return rescaled_falling(planned, rising, reversal)
         floor = ENOUGH_INERTIA * self._least_inertia(planned, planned.beta_start)
         best, most = planned, -np.inf
         for rejoin in REJOINS:

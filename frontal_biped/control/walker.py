@@ -130,7 +130,8 @@ class Walker:
             limits = ControllerSettings.for_gait(gait)
             settings = replace(limits, max_torque=None, frequency=sampled_frequency(period))
         if stabiliser is None:
-            stabiliser = AdaptiveTransitions(biped, gait, anticipate=energy is None)
+            alone = energy is None  # otherwise the energy law sees to the speed, and the transitions to the loads
+            stabiliser = AdaptiveTransitions(biped, gait, anticipate=alone, rejoin=alone)
         chosen = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
         self.controller = QpController(biped, gait, settings, chosen)
         self.phases = PhaseMachine(period, phases)

@@ -63,6 +63,7 @@ class WalkingQp:
         relaxation_price: rho of a control Lyapunov function; None: the output accelerations are given.
 
     Attributes:
+        dynamics: at the state moved to.
         rows: which inequalities are which.
         scale: (10,) units of ddq, u and F.
         delta_unit: unit of delta in the program just built [rad/s^2].
@@ -84,7 +85,7 @@ class WalkingQp:
         n = VARIABLES if relaxation_price is None else VARIABLES + 1
         last = 9 if joints is None else 13
         self.rows = Rows(slice(0, 5), slice(5, 9), slice(9, last), slice(last, last + 2 * (n - VARIABLES)))
-        self._dynamics = StanceDynamics(biped)
+        self.dynamics = StanceDynamics(biped)
         # N_0 / T_0 = moment_row . x + moment_constant
         foot = biped.chain.bodies[0]
         moment_row = np.zeros(VARIABLES)
@@ -123,27 +124,24 @@ class WalkingQp:
     def move_to(self, q: FloatArray, dq: FloatArray) -> None:
         """Evaluate the dynamics at q (4,) [rad], dq (4,) [rad/s]: before any of the calls below."""
         self._q, self._dq = q, dq
-        self._dynamics.move_to(q, dq)
+        self.dynamics.move_to(q, dq)
 
-    def closed_form(self, targets: Targets) -> Motion | None:
-        """The solution where no limit is active; None where one would be overstepped.
+    def keeps_limits(self, motion: Motion) -> bool:
+        """Does a motion at this state meet every constraint?
 
-        Both costs of this motion are zero (with a control Lyapunov function: the least of any v, and zero). Where it
-        meets every constraint, no other can be better: it is the program's optimum, the limits' multipliers zero.
+        Where it also meets the targets (`StanceDynamics.linearising`), both costs are zero (with a control Lyapunov
+        function: the least of any v, and zero), and no other can be better: it is the program's optimum.
         """
-        motion = self._dynamics.linearising(targets)
-        if motion is None or not self.limits.keeps(motion.forces.tolist()):
-            return None
-        if self.joints is not None and not self.joints.keeps(self._q, self._dq, motion.ddq):
-            return None
-        return motion
+        if not self.limits.keeps(motion.forces.tolist()):
+            return False
+        return self.joints is None or self.joints.keeps(self._q, self._dq, motion.ddq)
 
     def build(self, targets: Targets) -> QuadraticProgram:
         """The program; its arrays are reused by the next call.
 
         The first ten variables of its solution times `scale` are (ddq, u, F_h, F_v) in SI units.
         """
-        M, bias = self._dynamics.M, self._dynamics.bias
+        M, bias = self.dynamics.M, self.dynamics.bias
         program = self.program
         np.divide(M[BASE:, BASE:], -self._T_0, out=program.A[:4, DDQ])
         np.divide(M[:2, BASE:], -self._F_0, out=program.A[4:, DDQ])

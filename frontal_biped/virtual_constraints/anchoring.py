@@ -214,6 +214,22 @@ def anchored_falling(planned: Phase, rising: Phase, reversal: float, rejoin: flo
     )
 
 
+def rescaled_falling(planned: Phase, rising: Phase, start: float) -> Phase:
+    """The falling phase rescaled as a whole to begin on the rising one, its end kept in pose and slope.
+
+    Gentler than rejoining: nothing is bent within a length proportional to how early the reversal is. But the path to
+    the impact is another one, and the return map loses the multiplier as its slope on this side.
+
+    Args:
+        planned: the falling phase.
+        rising: the rising phase that has just ended.
+        start: where the falling phase begins [rad].
+    """
+    at = rising.motion(np.array([start]))
+    end = planned.beta_end, planned.joint_bezier[:, -1]
+    return with_ends(planned, start, at.q[0, 1:], at.dq[0, 1:], *end, float(at.p_fri[0]), spread=True)
+
+
 def _row(at: ConstrainedMotion) -> FloatArray:
     return np.stack([at.q[0, 1:], at.dq[0, 1:]], axis=1)
 

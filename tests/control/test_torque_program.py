@@ -84,6 +84,11 @@ def point(controller, command):
     return x
 
 
+def posed(controller, which, q, dq):
+    """The program of the tick just given, whoever solved it."""
+    return controller.program.qp.build(controller.targets(which, q, dq)[0])
+
+
 def optimality(program, x):
     """Violation of the constraints, and the gradient that no admissible multipliers balance (non-negative squares)."""
     value = program.C @ x
@@ -136,10 +141,7 @@ def test_a_thousand_adversarial_states(biped, reference_gait, outputs):
     controller = QpController(biped, reference_gait, settings)
     for which, q, dq in adversarial(reference_gait, 1000, seed=11):
         command = controller.command(which, q, dq)
-        qp = controller.program.qp
-        if command.source is Source.CLOSED_FORM:  # the program was not built for it
-            qp.build(controller.targets(which, q, dq)[0])
-        program = qp.program
+        program = posed(controller, which, q, dq)
         if command.solved:
             violation, gradient = optimality(program, point(controller, command))
             assert violation < FEASIBLE
@@ -165,7 +167,8 @@ def test_kkt_over_a_run_with_active_limits(biped, level_gait, outputs):
         command = controller.command(StepPhase.RISING, x[:4], x[4:])
         assert command.solved
         if command.source is Source.PROGRAM:
-            worst = np.maximum(worst, optimality(controller.program.qp.program, point(controller, command)))
+            program = posed(controller, StepPhase.RISING, x[:4], x[4:])
+            worst = np.maximum(worst, optimality(program, point(controller, command)))
         x = x + 1e-3 * np.r_[x[4:], biped.forward_dynamics(x[:4], x[4:], command.u)]
     assert controller.counts[Source.PROGRAM] > 20
     assert worst[0] < FEASIBLE
@@ -184,7 +187,7 @@ def test_relaxed_torques_give_way_as_little_as_need_be(biped, reference_gait):
         found += 1
         w = biped.inverse_dynamics(q, dq, biped.forward_dynamics(q, dq, command.u))
         assert_close(command.force, w[:2], 1e-4, floor=biped.weight)  # physics is never relaxed
-        program = controller.program.qp.program
+        program = posed(controller, which, q, dq)
         x = point(controller, command)
         value = program.C @ x
         overstepped = max((program.l - value).max(), (value - program.u).max())

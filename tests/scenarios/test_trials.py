@@ -42,10 +42,8 @@ class Limp:
         self.inner.begin(phase, q, dq)
 
     def command(self, phase, q, dq):
-        from dataclasses import replace
-
         command = self.inner.command(phase, q, dq)
-        return replace(command, u=0.0 * command.u)
+        return command._replace(u=0.0 * command.u)
 
 
 def make(biped, gait, period, share=1.0):

@@ -19,6 +19,8 @@ from frontal_biped.arrays import FloatArray
 SWEEPS = 20
 """Iterations of the active-set method per constraint at which it is given up; it needs less than one."""
 
+EMPTY = 1e-14
+"""1 / (1 + d^2), d the distance of the polyhedron from the origin, below which it is taken for empty."""
 
 SINGLE_THREAD = 100_000
 """Multiplications below which BLAS keeps to one thread; OpenBLAS shares a product out from 262144 on."""
@@ -68,19 +70,34 @@ def solve_least_distance(H: FloatArray, g: FloatArray, C: FloatArray, c: FloatAr
     g_y = inverse @ g
     G = _product(inverse, C.T)  # (n, k), one column a constraint
     h = c + C @ (inverse.T @ g_y)
-    E = np.vstack([G, h])
-    target = np.zeros(len(E))
-    target[-1] = 1.0
-    try:
-        weights, _ = nnls(E, target, maxiter=SWEEPS * max(E.shape))
-    except RuntimeError as error:
-        raise NoFeasiblePointError("the active-set method did not end") from error
-    inside = 1.0 - float(h @ weights)  # zero where the polyhedron is empty
-    if inside <= 1e-14:
-        raise NoFeasiblePointError("the inequalities contradict each other")
-    multipliers = _polished(G, h, weights / inside)
+    multipliers = _polished(G, h, nearest_point(G, h))
     y = G @ multipliers
     return LeastDistance(inverse.T @ (y - g_y), multipliers)
+
+
+def nearest_point(G: FloatArray, h: FloatArray) -> FloatArray:
+    """Multipliers (k,) of the point y = G multipliers nearest to the origin of those with G'y >= h.
+
+    Args:
+        G: (n, k), one column an inequality.
+        h: (k,).
+
+    Raises:
+        NoFeasiblePointError: there is none.
+    """
+    n, k = G.shape
+    E = np.empty((n + 1, k))
+    E[:n], E[n] = G, h
+    target = np.zeros(n + 1)
+    target[n] = 1.0
+    try:
+        weights, _ = nnls(E, target, maxiter=SWEEPS * max(n + 1, k))
+    except RuntimeError as error:
+        raise NoFeasiblePointError("the active-set method did not end") from error
+    inside = 1.0 - h.dot(weights).item()  # zero where the polyhedron is empty
+    if inside <= EMPTY:
+        raise NoFeasiblePointError("the inequalities contradict each other")
+    return weights / inside
 
 
 def _product(A: FloatArray, B: FloatArray) -> FloatArray:

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from frontal_biped.design.least_distance import IndefiniteError, NoFeasiblePointError, solve_least_distance
+from frontal_biped.least_distance import IndefiniteError, NoFeasiblePointError, solve_least_distance
 from frontal_biped.quadratic_program import UNBOUNDED, ProxQpSolver, QuadraticProgram
 
 OPTIMAL = 1e-9

@@ -1,0 +1,206 @@
+r"""The walking program where limits are active: a point of a polyhedron, nearest to the origin, in four dimensions.
+
+The program (`walking_qp`) misses its four targets by the residuals
+
+.. math:: r = ((\ddot y - v) / a_0,\; (N_0 - p_{FRI} F_v) / T_0),
+
+and its cost is |r|^2 / 2. Accelerations and forces are affine in r (`closed_form`), and zero is where
+`StanceDynamics.linearising` is.
+What remains are the limits, rows G r >= h: the least-distance problem that `least_distance` solves exactly, in a fixed
+number of small operations, or shows to have no solution.
+
+**With a control Lyapunov function** r is measured from v = 0 and the condition of decrease is one more row. Its
+relaxation delta has the price rho: where the multiplier of the row is at most rho, delta is zero; otherwise the row
+pulls with rho exactly, which is the same program without the row and with v = -rho a_0 n.
+
+**Where no torques keep every limit** the limits give way as `relaxation` says: the least overstepping s is a
+least-distance problem too, in (sqrt(w_t) r, sqrt(w) s), and a second one has the limits moved by s.
+"""
+
+from math import isfinite
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.control.closed_form import Motion, StanceDynamics, Targets
+from frontal_biped.control.limits import ContactLimits, JointLimits
+from frontal_biped.control.relaxation import CONTACT_WEIGHT, JOINT_WEIGHT, SLACK, TASK_WEIGHT
+from frontal_biped.control.walking_qp import OUTPUT_ACCELERATION, TORQUE_LEVER
+from frontal_biped.least_distance import NoFeasiblePointError, nearest_point
+from frontal_biped.model.biped import BASE, FrontalBiped
+
+EXACT = 1e-10
+"""By how much a row may be missed, in the units of the program."""
+
+NEVER = -1e9
+"""Stands for minus infinity: a row that is never active."""
+
+
+class Nearest(NamedTuple):
+    """The optimum of the walking program.
+
+    Attributes:
+        motion: accelerations and forces.
+        relaxation: delta of the control Lyapunov function [rad/s^2].
+        violation: by how much limits are overstepped, in the units of the program [-]; 0 where none had to give way.
+    """
+
+    motion: Motion
+    relaxation: float
+    violation: float
+
+
+class NearestMotion:
+    """Solves the walking program in the residuals of its targets.
+
+    Args:
+        biped: the robot.
+        dynamics: of the tick, moved to its state.
+        limits: of contact and motors.
+        joints: of the joints' motion; None: none.
+        price: rho of a control Lyapunov function's relaxation [-].
+    """
+
+    def __init__(
+        self,
+        biped: FrontalBiped,
+        dynamics: StanceDynamics,
+        limits: ContactLimits,
+        joints: JointLimits | None,
+        price: float,
+    ) -> None:
+        self._dynamics, self._joints, self._price = dynamics, joints, price
+        F_0, self._T_0 = biped.weight, TORQUE_LEVER * biped.weight
+        mu, T_0 = limits.friction, self._T_0
+        # of the forces (F_h, F_v, N_0, u): the rows that contact and motors keep, in the units of the program
+        rows = np.zeros((13, BASE + 4))
+        rows[0, :2], rows[1, :2] = (1.0, mu), (-1.0, mu)
+        rows[2, 1:3], rows[3, 1:3] = (-limits.fri_outer, 1.0), (limits.fri_inner, -1.0)
+        rows[4, 1] = 1.0
+        rows[5:9, BASE:], rows[9:, BASE:] = -np.eye(4), np.eye(4)
+        least = np.zeros(13)
+        least[4] = limits.min_normal_force
+        least[5:9] = least[9:] = -limits.max_torque
+        units = np.array([F_0] * 2 + [T_0] * 2 + [F_0] + [T_0] * 8)
+        self._rows, self._least = rows / units[:, None], least / units
+        weights = [CONTACT_WEIGHT] * 5 + [np.inf] * 8  # motors never give way
+        if joints is not None:
+            self._limited = joints.limited
+            weights += [JOINT_WEIGHT] * (2 * len(self._limited))
+        self._weights = np.array(weights)
+        self._soft = np.flatnonzero(np.isfinite(self._weights))
+
+    def solve(self, q: FloatArray, dq: FloatArray, targets: Targets, linearising: Motion) -> Nearest | None:
+        """The optimum at the state of the dynamics, q (4,) [rad], dq (4,) [rad/s].
+
+        None where it is not known to rounding: I_P nearly vanishes, or the state is far outside of everything.
+
+        Args:
+            q: state.
+            dq: its rate.
+            targets: what is asked of it.
+            linearising: the motion that meets them, limits left aside.
+        """
+        origin = linearising
+        if targets.decrease is not None:  # from v = 0
+            origin = self._dynamics.linearising(targets._replace(ddy=np.zeros(3))) or linearising
+        along, forces_along = self._dynamics.along_residuals(targets.p_fri, OUTPUT_ACCELERATION, self._T_0)
+        G, h = self._limits(q, dq, origin, along, forces_along)
+        if not isfinite(h.sum() + G.sum()):
+            return None
+        found, violation = self._optimum(G, h, targets), 0.0
+        if found is None:
+            s = self._least_overstepping(G, h, targets)
+            found = None if s is None else self._optimum(G, h - s, targets)
+            if found is None:
+                return None
+            violation = (h - G.dot(found[0])).max().item()
+        r, delta = found
+        return Nearest(Motion(origin.ddq + along.dot(r), origin.forces + forces_along.dot(r)), delta, violation)
+
+    def _limits(
+        self, q: FloatArray, dq: FloatArray, origin: Motion, along: FloatArray, forces_along: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Rows G r >= h of all limits, G (k, 4), h (k,)."""
+        G, h = self._rows.dot(forces_along), self._least - self._rows.dot(origin.forces)
+        if self._joints is None:
+            return G, h
+        lower, upper = (bound[self._limited] for bound in self._joints.bounds(q, dq))
+        ddq, joint = origin.ddq[self._limited], along[self._limited] / OUTPUT_ACCELERATION
+        bounds = np.concatenate([lower - ddq, ddq - upper]) / OUTPUT_ACCELERATION
+        return np.concatenate([G, joint, -joint]), np.concatenate([h, np.maximum(bounds, NEVER)])
+
+    def _optimum(self, G: FloatArray, h: FloatArray, targets: Targets) -> tuple[FloatArray, float] | None:
+        """Residuals (4,) and delta [rad/s^2] of the optimum under G r >= h; None where there is none."""
+        if targets.decrease is None:
+            found = _nearest(G, h)
+            return None if found is None else (found[0], 0.0)
+        n, b = targets.decrease
+        row = np.append(-n, 0.0)
+        found = _nearest(np.vstack([G, row]), np.append(h, b / OUTPUT_ACCELERATION))
+        if found is not None and found[1][-1] <= self._price:
+            return found[0], 0.0
+        pulled = self._price * row
+        found = _nearest(G, h - G.dot(pulled))
+        if found is None:
+            return None
+        r = found[0] + pulled
+        delta = b - OUTPUT_ACCELERATION * row.dot(r).item()
+        return None if delta < 0.0 else (r, delta)
+
+    def _least_overstepping(self, G: FloatArray, h: FloatArray, targets: Targets) -> FloatArray | None:
+        """(k,) by how much each limit gives way, a little more than it must.
+
+        None where that is next to nothing: a solution may exist after all, and this is not the place to tell.
+        """
+        soft, weights = self._soft, self._weights
+        if targets.decrease is not None:
+            h = h - G[:, :3].dot(targets.ddy) / OUTPUT_ACCELERATION
+        rows = np.zeros((4 + len(soft), len(h)))
+        # the task, as in the program, in units of its own size
+        rows[:4] = G.T * (_distance(G, h) / TASK_WEIGHT**0.5)
+        rows[4 + np.arange(len(soft)), soft] = weights[soft] ** -0.5
+        try:
+            s = nearest_point(rows, h) / weights
+        except NoFeasiblePointError:
+            return None
+        most = s.max()
+        if most < SLACK:
+            return None
+        s[soft] += SLACK * max(1.0, most)
+        return s
+
+
+def _nearest(G: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+    """The point r (4,) nearest to the origin with G r >= h, and multipliers (k,); None where there is none to rounding.
+
+    It is sought in units of the distance that the farthest row asks for, or rounding would hide a far one.
+    """
+    unit = _distance(G, h)
+    try:
+        multipliers = unit * nearest_point(G.T, h / unit)
+    except NoFeasiblePointError:
+        return None
+    r = multipliers.dot(G)
+    active = multipliers.nonzero()[0]
+    room = G.dot(r) - h
+    if _missed(room, active) > EXACT:
+        r -= np.linalg.lstsq(G[active], room[active], rcond=None)[0]
+        room = G.dot(r) - h
+        if _missed(room, active) > EXACT:
+            return None
+    return r, multipliers
+
+
+def _missed(room: FloatArray, active: npt.NDArray[np.intp]) -> float:
+    """By how much G r - h is negative anywhere, or not zero where a row is active."""
+    return max(-room.min().item(), room[active].max(initial=0.0).item())
+
+
+def _distance(G: FloatArray, h: FloatArray) -> float:
+    """How far r must at least go to meet the row G r >= h that is missed by most, or 1 if that is more."""
+    i = h.argmax()
+    size = G[i].dot(G[i]).item() ** 0.5
+    return max(1.0, h.item(i) / size) if size > 0.0 else 1.0
