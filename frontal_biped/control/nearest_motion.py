@@ -31,8 +31,11 @@ from frontal_biped.control.walking_qp import OUTPUT_ACCELERATION, TORQUE_LEVER
 from frontal_biped.least_distance import NoFeasiblePointError, nearest_point
 from frontal_biped.model.biped import BASE, FrontalBiped
 
-EXACT = 1e-10
+EXACT = 1e-9
 """By how much a row may be missed, in the units of the program."""
+
+FAR = 1000.0
+"""Distance of the limits in r beyond which rounding may hide a solution: 10^4 rad/s^2 at a joint, or as many N m."""
 
 NEVER = -1e9
 """Stands for minus infinity: a row that is never active."""
@@ -112,6 +115,8 @@ class NearestMotion:
             return None
         found, violation = self._optimum(G, h, targets), 0.0
         if found is None:
+            if _distance(G, h) > FAR:
+                return None
             s = self._least_overstepping(G, h, targets)
             found = None if s is None else self._optimum(G, h - s, targets)
             if found is None:
@@ -169,7 +174,7 @@ class NearestMotion:
         most = s.max()
         if most < SLACK:
             return None
-        s[soft] += SLACK * max(1.0, most)
+        s[soft] += SLACK * most
         return s
 
 

@@ -6,6 +6,8 @@ import pytest
 from frontal_biped.control.walker import Walker
 from frontal_biped.design import design_gait, load_specification
 from frontal_biped.exceptions import SimulationError
+from frontal_biped.gait import load_gait
+from frontal_biped.model import load_robot
 from frontal_biped.model.perturbation import ModelErrors, Plant
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation import Disturbances, Push, load_trajectory, save_trajectory
@@ -15,6 +17,8 @@ from frontal_biped.simulation.mujoco_walk import walk_in_mujoco
 from frontal_biped.walking import walk
 
 mujoco = pytest.importorskip("mujoco")
+
+HUMANOIDS = ("talos_full", "romeo", "g1", "icub", "alexander", "human", "simple_humanoid_classical")
 
 HARD = Disturbances(encoder_noise=1e-4, imu_noise=1e-4, torque_noise=0.02, delay=0.003, ground_height=0.003)
 
@@ -134,6 +138,18 @@ def test_a_hard_push_is_a_fall_and_not_an_error(biped, rough):
     run = walk(biped, rough, steps=4, disturbances=Disturbances(pushes=(push,)))
     assert run.fell
     assert run.outcome != "completed"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", HUMANOIDS)
+def test_humanoids_walk_their_stored_gaits(name):
+    """Where contact is soft and feet can tilt: 20 steps, no fall, the step time of the closed form."""
+    robot = load_robot(name)
+    gait = load_gait(robot.path.with_name(f"{name}.gait.json"))
+    run = walk(robot, gait, steps=20)
+    assert (run.outcome, run.steps_completed) == ("completed", 20)
+    assert step_times(run).mean() == pytest.approx(gait.orbit.step_duration, rel=0.02)
+    assert run.settings["controller"]["unsolved"] == 0
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ from frontal_biped.virtual_constraints.anchoring import (
     anchored_falling,
     anchored_rising,
     continued,
+    rescaled_falling,
     shifted_fri,
     stretched,
     with_ends,
@@ -58,6 +59,20 @@ def test_falling_starts_where_rising_ended(rising, level_gait, offset):
     end = level_gait.falling.beta_end
     for a, b in zip(row(falling, end), row(level_gait.falling, end), strict=True):
         assert a == pytest.approx(b, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("offset", [-0.015, -0.004, -1e-5])
+def test_rescaled_falling_keeps_both_ends(rising, level_gait, offset):
+    """Pose, slope and FRI target of the rising phase at the reversal; pose and slope of the plan at the impact."""
+    reversal = rising.beta_end + offset
+    falling = rescaled_falling(level_gait.falling, rising, reversal)
+    (value, slope, _), (begin, begin_slope, _) = row(rising, reversal), row(falling, reversal)
+    assert (falling.beta_start, falling.beta_end) == (reversal, level_gait.falling.beta_end)
+    assert begin == pytest.approx(value, abs=ROUNDING)
+    assert begin_slope[:3] == pytest.approx(slope[:3], abs=1e-7 * np.max(np.abs(slope)))
+    (value, slope, _), (end, end_slope, _) = row(level_gait.falling, falling.beta_end), row(falling, falling.beta_end)
+    assert end == pytest.approx(value, abs=ROUNDING)
+    assert end_slope[:3] == pytest.approx(slope[:3], abs=1e-7 * np.max(np.abs(slope)))
 
 
 @pytest.mark.parametrize("offset", [-0.01, -1e-3, 1e-3, 0.02])
