@@ -16,6 +16,7 @@ from frontal_biped.cli.main import SUCCESS, TASK_FAILED
 from frontal_biped.cli.progress import Progress
 from frontal_biped.cli.view import VIEWED_STEPS, watched
 from frontal_biped.control import ControllerSettings
+from frontal_biped.cross_check import cross_check
 from frontal_biped.design import default_specification, design_gait, load_specification
 from frontal_biped.exceptions import FrontalBipedError, GaitFileError, SimulationError
 from frontal_biped.files import require_folder, require_parent
@@ -24,7 +25,7 @@ from frontal_biped.library import build_library, dask_executor, read_sweep, work
 from frontal_biped.model import FrontalBiped, load_robot
 from frontal_biped.robustness import robustness_card
 from frontal_biped.simulation import Disturbances, Trajectory, load_trajectory, save_trajectory
-from frontal_biped.walking import sampled_settings, simulate, walk
+from frontal_biped.walking import sampled_settings, simulate
 
 
 def run_demo(arguments: argparse.Namespace) -> int:
@@ -135,28 +136,37 @@ def run_simulate(arguments: argparse.Namespace) -> int:
     if arguments.engine == "ours":
         stabiliser = arguments.stabiliser or "adaptive"
         run = _walk(biped, gait, arguments.steps, period, arguments.speed_error, stabiliser, disturbances, settings)
+        table, text, walked, runs = _run_summary(run), _run_text(run), not run.fell, {arguments.output: run}
     elif period is None:
         raise SimulationError("--continuous: a walker in MuJoCo reads its sensors at a rate; give --rate instead")
     else:
-        with Progress("walking in MuJoCo: step", arguments.steps) as progress:
-            run = walk(
+        engines = ("mujoco", "ours") if arguments.engine == "both" else ("mujoco",)
+        with Progress("walking: step", arguments.steps) as progress:
+            check, by_engine = cross_check(
                 biped,
                 gait,
-                engine=arguments.engine,
+                engines=engines,
+                on_step=lambda engine, done: progress.update(f"in {engine}", done),
                 steps=arguments.steps,
                 period=period,
                 speed_error=arguments.speed_error,
                 stabiliser=arguments.stabiliser,
                 disturbances=disturbances,
                 controller_settings=replace(settings, max_torque=None),
-                on_step=lambda done: progress.update("", done),
             )
-    if arguments.output is not None:
-        save_trajectory(run, arguments.output)
-    _emit(
-        arguments, {**_run_summary(run), "output": str(arguments.output) if arguments.output else None}, _run_text(run)
-    )
-    return TASK_FAILED if run.fell else SUCCESS
+        text, walked = str(check), check.walked
+        table = {**_run_summary(by_engine["mujoco"]), "cross_check": check.as_dict()}
+        paths = dict.fromkeys(engines, arguments.output)
+        if arguments.output is not None and len(engines) > 1:
+            stem, suffix = arguments.output.stem, arguments.output.suffix
+            paths = {engine: arguments.output.with_name(f"{stem}.{engine}{suffix}") for engine in engines}
+        runs = {paths[engine]: run for engine, run in by_engine.items()}
+    written = [path for path in runs if path is not None]
+    for path in written:
+        save_trajectory(runs[path], path)
+    table["output"] = str(written[0]) if len(written) == 1 else [str(path) for path in written] or None
+    _emit(arguments, table, text)
+    return SUCCESS if walked else TASK_FAILED
 
 
 def run_plot(arguments: argparse.Namespace) -> int:

@@ -179,9 +179,10 @@ def _parser() -> argparse.ArgumentParser:
     )
     simulate.add_argument(
         "--engine",
-        choices=("ours", "mujoco"),
+        choices=("ours", "mujoco", "both"),
         default="ours",
-        help="mujoco: MuJoCo's contact, and a walker that sees sensor readings only (extra mujoco); default: ours",
+        help="mujoco: MuJoCo's contact, and a walker that sees sensor readings only (extra mujoco); both: that walker"
+        " in MuJoCo and in ours, side by side; -o RUN.npz then writes RUN.mujoco.npz and RUN.ours.npz; default: ours",
     )
     simulate.add_argument(
         "--stabiliser",

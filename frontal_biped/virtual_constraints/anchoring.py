@@ -31,7 +31,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.virtual_constraints.bezier import bernstein, bernstein_derivative
+from frontal_biped.virtual_constraints.bezier import bernstein, bernstein_derivative, restrict
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase
 
 REJOIN = 2.0
@@ -168,7 +168,10 @@ def stretched(phase: ContinuedPhase, end: float) -> ContinuedPhase:
 
 
 def anchored_rising(planned: ContinuedPhase, beta: float, pose: FloatArray, slope: FloatArray) -> ContinuedPhase:
-    """The rising phase from an actual state after an impact; it keeps its end in pose and slope.
+    """The rising phase from an actual state; it keeps its end in pose and slope.
+
+    Begun on its way, it is what is left of the planned one, plus a correction of pose and slope that dies out towards
+    the end: where there is nothing to correct it goes on as if nothing had happened.
 
     Args:
         planned: the rising phase.
@@ -176,6 +179,10 @@ def anchored_rising(planned: ContinuedPhase, beta: float, pose: FloatArray, slop
         pose: (3,) actual q_b [rad].
         slope: (3,) actual dq_b/dbeta [-].
     """
+    if beta > planned.beta_start:
+        s = (beta - planned.beta_start) / planned.range
+        joints, fri = restrict(planned.joint_bezier, s), restrict(planned.fri_bezier, s)
+        planned = replace(planned, beta_start=beta, joint_bezier=joints, fri_bezier=fri)
     moved = with_ends(planned, beta, pose, slope, planned.beta_end, planned.joint_bezier[:, -1])
     return replace(planned, beta_start=moved.beta_start, joint_bezier=moved.joint_bezier)
 

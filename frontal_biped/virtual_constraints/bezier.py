@@ -59,3 +59,11 @@ def elevate(coefficients: FloatArray, degree: int) -> FloatArray:
         shifted[..., 1:] = coefficients
         coefficients = weight * shifted + (1.0 - weight) * padded
     return coefficients
+
+
+def restrict(coefficients: FloatArray, s: float) -> FloatArray:
+    """(..., degree + 1) coefficients of the same polynomials on [s, 1] instead of [0, 1] (de Casteljau)."""
+    columns = np.array(coefficients, dtype=float)
+    for last in range(columns.shape[-1] - 1, 0, -1):
+        columns[..., :last] = (1.0 - s) * columns[..., :last] + s * columns[..., 1 : last + 1]
+    return columns

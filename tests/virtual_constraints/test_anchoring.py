@@ -118,6 +118,17 @@ def test_disturbed_landing_keeps_the_end(rising):
         assert a[:3] == pytest.approx(b[:3], rel=1e-9)
 
 
+@pytest.mark.parametrize("share", [0.0, 0.2, 0.7])
+def test_begun_on_its_way_without_error_a_phase_goes_on_unchanged(rising, share):
+    start = rising.beta_start + share * rising.range
+    value, slope, _ = row(rising, start)
+    phase = anchored_rising(rising, start, value[:3], slope[:3])
+    assert phase.beta_start == start
+    for beta in np.linspace(start, rising.beta_end + 0.01, 15):
+        for a, b in zip(row(rising, beta), row(phase, beta), strict=True):
+            assert b == pytest.approx(a, rel=1e-9, abs=1e-6)
+
+
 def test_stretched_phase_keeps_start_and_final_pose(rising):
     longer = stretched(rising, rising.beta_end + 0.01)
     for a, b in zip(row(longer, rising.beta_start)[:2], row(rising, rising.beta_start)[:2], strict=True):

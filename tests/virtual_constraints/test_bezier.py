@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from random_states import DIFFERENCE_TOLERANCE, assert_close, difference, vectors
 
 from frontal_biped.virtual_constraints import bernstein, bernstein_derivative
-from frontal_biped.virtual_constraints.bezier import elevate
+from frontal_biped.virtual_constraints.bezier import elevate, restrict
 
 ROUNDING = 1e-12
 """Relative error of polynomials of degree 8 on [-0.2, 1.2]."""
@@ -82,3 +82,12 @@ def test_arrays_are_evaluated_point_by_point():
     s = np.linspace(-0.1, 1.1, 6).reshape(2, 3)
     assert bernstein(4, s).shape == (2, 3, 5)
     assert np.array_equal(bernstein(4, s)[1, 2], bernstein(4, s[1, 2]))
+
+
+@pytest.mark.parametrize("degree", [0, 1, 3, 8])
+@pytest.mark.parametrize("start", [0.0, 0.3, 0.95])
+def test_restricted_polynomial_is_the_same_polynomial(degree, start):
+    coefficients = np.random.default_rng(degree).normal(size=(3, degree + 1))
+    t = np.linspace(0.0, 1.0, 7)
+    part = bernstein(degree, t) @ restrict(coefficients, start).T
+    assert_close(part, bernstein(degree, start + (1.0 - start) * t) @ coefficients.T, ROUNDING, floor=2.0)
