@@ -26,7 +26,8 @@ class PhaseSettings:
         plausible: height above which a touch is not believed at all [m].
         touch: time for which another touch must last while falling [s].
         scuff: time for which it must last while rising [s].
-        lifted: time without a touch, or above ``expected``, after which a foot has left the ground [s].
+        lifted: time without a touch, or above ``standing``, after which a foot has left the ground [s].
+        standing: height, by the joints, up to which a foot that touches may not have left uneven ground yet [m].
     """
 
     rate: float = 0.01
@@ -36,6 +37,7 @@ class PhaseSettings:
     touch: float = 0.002
     scuff: float = 0.02
     lifted: float = 0.003
+    standing: float = 0.006
 
 
 class PhaseEvent(Enum):
@@ -70,6 +72,7 @@ class PhaseMachine:
         self.phase = StepPhase.RISING
         self._since = 0.0
         self._touching = self._free = 0.0
+        self._scuffing = False  # is the present touch counted as one?
         self._lifted = False
 
     def landing(self, touches: bool, clearance: float) -> bool:
@@ -81,9 +84,9 @@ class PhaseMachine:
         """
         settings, h = self.settings, self.period
         # leaky, so that a flag that drops out now and then still counts
-        before = self._touching
-        self._touching = before + h if touches else max(0.0, before - h)
-        if touches and clearance < settings.expected:
+        self._touching = self._touching + h if touches else max(0.0, self._touching - h)
+        self._scuffing &= self._touching > 0.0
+        if touches and clearance < settings.standing:
             self._free = 0.0
         else:
             self._free += h
@@ -91,8 +94,9 @@ class PhaseMachine:
         if not touches or not self._lifted or clearance > settings.plausible:
             return False
         rising = self.phase is StepPhase.RISING
-        if rising and before == 0.0:
+        if rising and not self._scuffing:
             self.scuffs += 1
+            self._scuffing = True
         needed = settings.scuff if rising else 0.0 if clearance < settings.expected else settings.touch
         if self._touching < needed:
             return False

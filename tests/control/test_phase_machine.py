@@ -66,6 +66,30 @@ def test_a_scuff_while_rising_is_counted_and_a_lasting_one_is_an_early_landing()
     assert (machine.scuffs, machine.early_landings) == (1, 1)
 
 
+@pytest.mark.parametrize("height", [-0.005, 0.003, 0.005])
+def test_a_foot_that_stays_on_uneven_ground_has_not_left_it(height):
+    """After a landing the old stance foot still touches, some millimetres off by the joints: no landing of its own."""
+    machine = PhaseMachine(H)
+    assert not any(machine.landing(True, height) for _ in range(100))
+    assert (machine.scuffs, machine.early_landings) == (0, 0)
+
+
+def test_a_foot_high_above_the_ground_has_left_it_whatever_its_flag_says():
+    machine = PhaseMachine(H)
+    for _ in range(50):
+        machine.landing(True, HIGH)
+        machine.turn(-0.3)
+    assert machine.landing(True, NEAR)
+
+
+def test_scuffs_are_never_negative():
+    """Lifted while it touches, by its height, and on the ground again at once."""
+    machine = PhaseMachine(H)
+    for clearance in [HIGH] * 10 + [NEAR] * 30:
+        machine.landing(True, clearance)
+        assert machine.scuffs >= 0
+
+
 def test_a_landing_below_the_known_ground_is_late():
     machine = falling_machine()
     assert machine.landing(True, -0.005)
