@@ -5,12 +5,14 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.walking import walk
+from frontal_biped.zero_dynamics import resample
 
 
 @dataclass(frozen=True)
@@ -23,14 +25,14 @@ class EngineReport:
         steps: completed.
         step_time: mean duration of a step [s].
         step_time_spread: its standard deviation [s].
-        speed_error: dbeta half-way up, relative to the closed form, mean over the steps [-].
+        speed_error: dbeta half-way down, relative to the closed form, mean over the steps [-].
         largest_speed_error: the largest of them, in absolute value [-].
         output_error: largest |q_b - h_d| [rad].
         foot_slip: largest motion of a stance foot after it has settled [m].
         foot_rotation: largest rotation of a stance foot from flat after it has settled [rad].
         double_support: mean time with both feet on the ground, per step [s].
         work: of the joint torques taken without sign, mean per step [J].
-        effort: integral of the squared torques, mean per step [N^2 m^2 s]; J of the walk.
+        cost: J of the walk, mean of the steps, their width taken as planned [N^2 m s].
         torque: largest, as a share of its limit [-].
         unsolved: ticks without torques that keep every limit.
     """
@@ -47,7 +49,7 @@ class EngineReport:
     foot_rotation: float
     double_support: float
     work: float
-    effort: float
+    cost: float
     torque: float
     unsolved: int
 
@@ -56,14 +58,14 @@ _ROWS: tuple[tuple[str, str, str, int], ...] = (
     ("steps", "steps walked", "d", 1),
     ("step_time", "step time, s", ".4f", 1),
     ("step_time_spread", "  standard deviation, s", ".4f", 1),
-    ("speed_error", "speed half-way up off by, %", "+.2f", 100),
+    ("speed_error", "speed half-way down off by, %", "+.2f", 100),
     ("largest_speed_error", "  at most, %", ".2f", 100),
     ("output_error", "largest output error, rad", ".1e", 1),
     ("foot_slip", "largest slip of a foot, mm", ".3f", 1000),
     ("foot_rotation", "largest rotation of a foot, rad", ".1e", 1),
     ("double_support", "double support per step, ms", ".1f", 1000),
     ("work", "work of the joints per step, J", ".2f", 1),
-    ("effort", "J per step, N^2 m^2 s", ".1f", 1),
+    ("cost", "J, N^2 m s", ".1f", 1),
     ("torque", "largest torque, of its limit", ".2f", 1),
     ("unsolved", "unsolved control ticks", "d", 1),
 )
@@ -76,7 +78,7 @@ class CrossCheck:
     Attributes:
         robot: name.
         step_time: of the gait in closed form [s].
-        cost: J of the gait in closed form [N^2 m^2 s].
+        cost: J of the gait in closed form [N^2 m s].
         reports: one for each engine.
     """
 
@@ -100,7 +102,7 @@ class CrossCheck:
         return asdict(self)
 
     def __str__(self) -> str:
-        known = {"step_time": self.step_time, "effort": self.cost}
+        known = {"step_time": self.step_time, "cost": self.cost}
         lines = [f"{self.robot:32}" + "".join(f"{report.engine:>12}" for report in self.reports) + f"{'gait':>12}"]
         for key, label, form, unit in _ROWS:
             cells = [f"{unit * getattr(report, key):{form}}" for report in self.reports]
@@ -153,7 +155,7 @@ def engine_report(biped: FrontalBiped, gait: Gait, engine: str, run: Trajectory)
         return float(measured[name][which]) if name in measured else float("nan")
 
     durations = np.diff(run.event_t[run.events("IMPACT")])
-    speeds = speed_errors_half_way_up(biped, gait, run)
+    speeds = speed_errors(biped, gait, run)
     some = len(speeds) > 0
     return EngineReport(
         engine=engine,
@@ -168,28 +170,24 @@ def engine_report(biped: FrontalBiped, gait: Gait, engine: str, run: Trajectory)
         foot_rotation=of("rotation", "largest"),
         double_support=of("double_support", "mean"),
         work=of("work", "mean"),
-        effort=of("effort", "mean"),
+        cost=of("effort", "mean") / gait.step_width,
         torque=float(np.max(np.abs(run.u) / biped.max_torque)),
         unsolved=int(run.settings.get("controller", {}).get("unsolved", 0)),
     )
 
 
-def speed_errors_half_way_up(biped: FrontalBiped, gait: Gait, run: Trajectory) -> FloatArray:
-    """(n,) dbeta half-way up each rising phase, relative to the closed form, minus one [-].
+def speed_errors(biped: FrontalBiped, gait: Gait, run: Trajectory) -> FloatArray:
+    """(n,) dbeta half-way down each falling phase, relative to the closed form, minus one [-].
 
-    Half-way up, since right after an impact a soft contact still rings; steps that do not get there are left out.
+    Half-way down, since a soft contact still rings after an impact; steps that do not get there are left out.
     """
-    rising = gait.step(biped).rising
-    middle = 0.5 * (gait.rising.beta_start + gait.rising.beta_end)
-    order = np.argsort(rising.beta)
-    planned = np.interp(middle, rising.beta[order], rising.dbeta[order])
+    half_way = resample(biped, gait.falling, gait.step(biped).falling, np.array([0.5**0.5, 1.0]))
+    middle, planned = float(half_way.beta[0]), float(half_way.dbeta[0])
     errors = []
     for step in range(run.steps_completed):
-        chosen = (run.step == step) & (run.phase > 0.0)
-        beta, dbeta = run.q[chosen, 0], run.dq[chosen, 0]
-        above = np.flatnonzero((beta[:-1] < middle) & (beta[1:] >= middle))
-        if len(above):
-            i = above[0]
-            share = (middle - beta[i]) / (beta[i + 1] - beta[i])
-            errors.append((dbeta[i] + share * (dbeta[i + 1] - dbeta[i])) / planned - 1.0)
+        chosen = (run.step == step) & (run.phase < 0.0)
+        if run.q[chosen, 0].min(initial=np.inf) < middle:
+            way = CubicHermiteSpline(run.t[chosen], run.q[chosen, 0], run.dq[chosen, 0])
+            passed = way.solve(middle, extrapolate=False)
+            errors.append(float(way(passed[-1], 1)) / planned - 1.0)
     return np.array(errors)

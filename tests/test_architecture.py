@@ -44,7 +44,7 @@ MAY_IMPORT = {
     },
     "return_map": {"model", "virtual_constraints", "phase_energy", "half_steps", "gait", "contact_margins", "control"},
     "simulation": {"model", "virtual_constraints", "control"},
-    "cross_check": {"model", "gait", "simulation", "walking"},
+    "cross_check": {"model", "zero_dynamics", "gait", "simulation", "walking"},
     "scenarios": {"model", "gait", "control", "design", "simulation", "walking"},
 }  # fmt: skip
 
