@@ -69,7 +69,6 @@ class QpController:
         gait: what to track.
         settings: gains and limits; default: those of the gait's specification.
         stabiliser: chooses the virtual constraints of each phase; default: the paper's fixed ones.
-        shortcut: take the program's closed form where no limit is active? False: ask ProxQP at every tick.
 
     Attributes:
         lyapunov: the control Lyapunov function, or None.
@@ -83,12 +82,11 @@ class QpController:
         gait: Gait,
         settings: ControllerSettings | None = None,
         stabiliser: Stabiliser | None = None,
-        shortcut: bool = True,
     ) -> None:
         self.biped = biped
         self.gait = gait
         self.settings = settings or ControllerSettings.for_gait(gait)
-        self.program = TorqueProgram(biped, self.settings, shortcut)
+        self.program = TorqueProgram(biped, self.settings)
         self._kp = self.settings.frequency**2
         self._kd = 2.0 * self.settings.damping * self.settings.frequency
         clf = self.settings.outputs == "clf"

@@ -6,6 +6,7 @@ from frontal_biped.exceptions import SimulationError
 from frontal_biped.gait import Gait
 
 OUTPUTS = ("linearising", "clf")
+SOLVERS = ("exact", "proxqp")
 
 
 @dataclass(frozen=True)
@@ -19,15 +20,17 @@ class ControllerSettings:
         min_normal_force: smallest normal force, as a fraction of the weight [-].
         max_torque: torque limits, chain order [N m]; None: the robot's.
         joint_rate: rate at which a joint may approach the limits of its range and speed [1/s]; None: no such limits.
-        accuracy: absolute tolerance of the quadratic program.
-        max_iterations: of the quadratic program's outer loop.
+        accuracy: absolute tolerance of ProxQP.
+        max_iterations: of ProxQP's outer loop.
         outputs: how the outputs are driven to zero: "linearising", to linear error dynamics, or "clf", by a control
             Lyapunov function (see `lyapunov`).
         epsilon: time scale of the control Lyapunov function [s].
         relaxation_price: price rho of its relaxation [-].
+        solver: of the quadratic program: "exact", in closed form and in the residuals of the targets (see
+            `nearest_motion`), with ProxQP where that fails; or "proxqp", at every tick.
 
     Raises:
-        SimulationError: unknown ``outputs``.
+        SimulationError: unknown ``outputs`` or ``solver``.
     """
 
     frequency: float = 30.0
@@ -41,10 +44,13 @@ class ControllerSettings:
     outputs: str = "linearising"
     epsilon: float = 0.003
     relaxation_price: float = 1e3
+    solver: str = "exact"
 
     def __post_init__(self) -> None:
         if self.outputs not in OUTPUTS:
             raise SimulationError(f"no controller {self.outputs!r}; known: {', '.join(OUTPUTS)}")
+        if self.solver not in SOLVERS:
+            raise SimulationError(f"no solver {self.solver!r}; known: {', '.join(SOLVERS)}")
 
     @classmethod
     def for_gait(cls, gait: Gait) -> "ControllerSettings":

@@ -1,7 +1,7 @@
 """From targets to torques: closed form, quadratic program, relaxed program, in this order.
 
-The program is solved exactly in the residuals of its targets (`nearest_motion`); ProxQP, to its tolerance, where that
-is not possible to rounding, and at every tick if asked to.
+The program is solved exactly in the residuals of its targets (`nearest_motion`); by ProxQP, to its tolerance, where
+that is not possible to rounding, and at every tick if the settings say so.
 """
 
 from enum import Enum
@@ -69,11 +69,9 @@ class TorqueProgram:
     Args:
         biped: the robot.
         settings: limits and tolerances.
-        shortcut: take the closed form where no limit is active, and solve in the residuals of the targets where one
-            is? False: ask ProxQP at every tick.
     """
 
-    def __init__(self, biped: FrontalBiped, settings: ControllerSettings, shortcut: bool = True) -> None:
+    def __init__(self, biped: FrontalBiped, settings: ControllerSettings) -> None:
         outer, inner = biped.sole
         torque = biped.max_torque if settings.max_torque is None else np.array(settings.max_torque)
         limits = ContactLimits(settings.friction, settings.min_normal_force * biped.weight, outer, inner, torque)
@@ -82,7 +80,7 @@ class TorqueProgram:
             joints = JointLimits(biped.joint_lower, biped.joint_upper, biped.joint_max_velocity, settings.joint_rate)
         price = settings.relaxation_price if settings.outputs == "clf" else None
         self.qp = WalkingQp(biped, limits, joints, price)
-        self.shortcut = shortcut
+        self._exact = settings.solver == "exact"
         self._nearest = NearestMotion(biped, self.qp.dynamics, limits, joints, settings.relaxation_price)
         self._solver = ProxQpSolver(settings.accuracy, settings.max_iterations, penalty_parameter=PENALTY_PARAMETER)
         self._relaxed = RelaxedQp(self.qp.program, self.qp.rows)
@@ -92,7 +90,7 @@ class TorqueProgram:
     def solve(self, q: FloatArray, dq: FloatArray, targets: Targets) -> Answer | None:
         """Torques at q (4,) [rad], dq (4,) [rad/s]; None where even the relaxed program is not solved."""
         self.qp.move_to(q, dq)
-        answer = self._exactly(q, dq, targets) if self.shortcut else None
+        answer = self._exactly(q, dq, targets) if self._exact else None
         if answer is None:
             return self._by_proxqp(targets)
         self._was_active = False

@@ -211,7 +211,7 @@ def tsid_tick(robot: FrontalBiped) -> TsidTick | None:
 
 # ---------------------------------------------------------------------- comparison
 def compare(robot: FrontalBiped, gait: Gait, states: list[State], settings: ControllerSettings):
-    ours, always = QpController(robot, gait, settings), QpController(robot, gait, settings, shortcut=False)
+    ours, always = (QpController(robot, gait, replace(settings, solver=solver)) for solver in ("exact", "proxqp"))
     peers = {
         "tick": Contender(ours.command),
         "tick, ProxQP every time": Contender(always.command),

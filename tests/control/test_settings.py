@@ -3,8 +3,10 @@
 import dataclasses
 
 import numpy as np
+import pytest
 
 from frontal_biped.control import ControllerSettings, QpController
+from frontal_biped.exceptions import SimulationError
 from frontal_biped.virtual_constraints import StepPhase
 
 
@@ -19,3 +21,9 @@ def test_defaults_come_from_the_specification(biped, level_gait):
     assert np.all(np.abs(u) <= np.array(weak["max_torque"]) + 1e-6)
     assert np.any(np.abs(u) >= np.array(weak["max_torque"]) - 1e-3)  # the limit is reached, not idle
     assert ControllerSettings.for_gait(dataclasses.replace(level_gait, specification={})) == ControllerSettings()
+
+
+@pytest.mark.parametrize(("key", "value", "known"), [("outputs", "pid", "clf"), ("solver", "osqp", "proxqp")])
+def test_unknown_choices_are_named_with_those_that_are_known(key, value, known):
+    with pytest.raises(SimulationError, match=f"{value}.*{known}"):
+        ControllerSettings(**{key: value})
