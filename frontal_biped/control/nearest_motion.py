@@ -4,10 +4,9 @@ The program (`walking_qp`) misses its four targets by the residuals
 
 .. math:: r = ((\ddot y - v) / a_0,\; (N_0 - p_{FRI} F_v) / T_0),
 
-and its cost is |r|^2 / 2. Accelerations and forces are affine in r (`closed_form`), and zero is where
-`StanceDynamics.linearising` is.
-What remains are the limits, rows G r >= h: the least-distance problem that `least_distance` solves exactly, in a fixed
-number of small operations, or shows to have no solution.
+and its cost is |r|^2 / 2. Accelerations and forces are affine in r (`closed_form`); r = 0 is the linearising motion.
+What remains are the limits, rows G r >= h: a least-distance problem, which `least_distance` solves exactly, in a few
+small steps, or shows to have no solution.
 
 **With a control Lyapunov function** r is measured from v = 0 and the condition of decrease is one more row. Its
 relaxation delta has the price rho: where the multiplier of the row is at most rho, delta is zero; otherwise the row
@@ -24,12 +23,11 @@ import numpy as np
 import numpy.typing as npt
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.closed_form import Motion, StanceDynamics, Targets
-from frontal_biped.control.limits import ContactLimits, JointLimits
+from frontal_biped.control.closed_form import Motion, Targets
 from frontal_biped.control.relaxation import CONTACT_WEIGHT, JOINT_WEIGHT, SLACK, TASK_WEIGHT
-from frontal_biped.control.walking_qp import OUTPUT_ACCELERATION, TORQUE_LEVER
+from frontal_biped.control.walking_qp import DDQ, FORCE, OUTPUT_ACCELERATION, TORQUE_LEVER, VARIABLES, U, WalkingQp
 from frontal_biped.least_distance import NoFeasiblePointError, nearest_point
-from frontal_biped.model.biped import BASE, FrontalBiped
+from frontal_biped.quadratic_program import UNBOUNDED
 
 EXACT = 1e-9
 """By how much a row may be missed, in the units of the program."""
@@ -59,40 +57,25 @@ class NearestMotion:
     """Solves the walking program in the residuals of its targets.
 
     Args:
-        biped: the robot.
-        dynamics: of the tick, moved to its state.
-        limits: of contact and motors.
-        joints: of the joints' motion; None: none.
+        qp: the program; its limits and its dynamics are used, moved to the state of the tick.
         price: rho of a control Lyapunov function's relaxation [-].
     """
 
-    def __init__(
-        self,
-        biped: FrontalBiped,
-        dynamics: StanceDynamics,
-        limits: ContactLimits,
-        joints: JointLimits | None,
-        price: float,
-    ) -> None:
-        self._dynamics, self._joints, self._price = dynamics, joints, price
-        F_0, self._T_0 = biped.weight, TORQUE_LEVER * biped.weight
-        mu, T_0 = limits.friction, self._T_0
-        # of the forces (F_h, F_v, N_0, u): the rows that contact and motors keep, in the units of the program
-        rows = np.zeros((13, BASE + 4))
-        rows[0, :2], rows[1, :2] = (1.0, mu), (-1.0, mu)
-        rows[2, 1:3], rows[3, 1:3] = (-limits.fri_outer, 1.0), (limits.fri_inner, -1.0)
-        rows[4, 1] = 1.0
-        rows[5:9, BASE:], rows[9:, BASE:] = -np.eye(4), np.eye(4)
-        least = np.zeros(13)
-        least[4] = limits.min_normal_force
-        least[5:9] = least[9:] = -limits.max_torque
-        units = np.array([F_0] * 2 + [T_0] * 2 + [F_0] + [T_0] * 8)
-        self._rows, self._least = rows / units[:, None], least / units
-        weights = [CONTACT_WEIGHT] * 5 + [np.inf] * 8  # motors never give way
-        if joints is not None:
-            self._limited = joints.limited
-            weights += [JOINT_WEIGHT] * (2 * len(self._limited))
-        self._weights = np.array(weights)
+    def __init__(self, qp: WalkingQp, price: float) -> None:
+        self._dynamics, self._joints, self._price = qp.dynamics, qp.joints, price
+        self._T_0 = TORQUE_LEVER * qp.biped.weight
+        contact, torque, *_ = qp.rows
+        fixed = slice(contact.start, torque.stop)  # of the program's rows those that are the same at every tick
+        program, weights = qp.program, np.array([CONTACT_WEIGHT] * 5 + [np.inf] * 4)  # motors never give way
+        C = program.C[fixed, :VARIABLES] / qp.scale
+        below, above = program.l[fixed] > -UNBOUNDED, program.u[fixed] < UNBOUNDED
+        rows = np.concatenate([C[below], -C[above]])
+        self._least = np.concatenate([program.l[fixed][below], -program.u[fixed][above]])
+        self._of_ddq = rows[:, DDQ]
+        self._of_forces = np.concatenate([rows[:, FORCE], np.zeros((len(rows), 1)), rows[:, U]], axis=1)
+        self._weights = np.concatenate([weights[below], weights[above]])
+        if qp.joints is not None:
+            self._weights = np.append(self._weights, [JOINT_WEIGHT] * (2 * len(qp.joints.limited)))
         self._soft = np.flatnonzero(np.isfinite(self._weights))
 
     def solve(self, q: FloatArray, dq: FloatArray, targets: Targets, linearising: Motion) -> Nearest | None:
@@ -129,12 +112,16 @@ class NearestMotion:
         self, q: FloatArray, dq: FloatArray, origin: Motion, along: FloatArray, forces_along: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Rows G r >= h of all limits, G (k, 4), h (k,)."""
-        G, h = self._rows.dot(forces_along), self._least - self._rows.dot(origin.forces)
+        G = self._of_forces.dot(forces_along)
+        G += self._of_ddq.dot(along)
+        h = self._least - self._of_forces.dot(origin.forces)
+        h -= self._of_ddq.dot(origin.ddq)
         if self._joints is None:
             return G, h
-        lower, upper = (bound[self._limited] for bound in self._joints.bounds(q, dq))
-        ddq, joint = origin.ddq[self._limited], along[self._limited] / OUTPUT_ACCELERATION
-        bounds = np.concatenate([lower - ddq, ddq - upper]) / OUTPUT_ACCELERATION
+        limited = self._joints.limited
+        lower, upper = self._joints.bounds(q, dq)
+        ddq, joint = origin.ddq[limited], along[limited] / OUTPUT_ACCELERATION
+        bounds = np.concatenate([lower[limited] - ddq, ddq - upper[limited]]) / OUTPUT_ACCELERATION
         return np.concatenate([G, joint, -joint]), np.concatenate([h, np.maximum(bounds, NEVER)])
 
     def _optimum(self, G: FloatArray, h: FloatArray, targets: Targets) -> tuple[FloatArray, float] | None:

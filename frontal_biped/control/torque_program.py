@@ -81,7 +81,7 @@ class TorqueProgram:
         price = settings.relaxation_price if settings.outputs == "clf" else None
         self.qp = WalkingQp(biped, limits, joints, price)
         self._exact = settings.solver == "exact"
-        self._nearest = NearestMotion(biped, self.qp.dynamics, limits, joints, settings.relaxation_price)
+        self._nearest = NearestMotion(self.qp, settings.relaxation_price)
         self._solver = ProxQpSolver(settings.accuracy, settings.max_iterations, penalty_parameter=PENALTY_PARAMETER)
         self._relaxed = RelaxedQp(self.qp.program, self.qp.rows)
         self._relaxed_solver = ProxQpSolver(RELAXED_ACCURACY, settings.max_iterations, relative=RELAXED_ACCURACY)

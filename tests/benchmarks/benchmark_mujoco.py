@@ -2,7 +2,7 @@
 
 Run from the repository: ``OMP_NUM_THREADS=1 python tests/benchmarks/benchmark_mujoco.py [steps|trials|pushes] ...``.
 
-* ``steps ROBOT GAIT N``: N steps in MuJoCo and in our simulator; GAIT a file, or ``rough`` or ``g1`` for those below;
+* ``steps N ROBOT ...``: N steps of each robot's stored gait, of frontal_biped's gait `rough`, in both engines;
 * ``trials N STEPS``: N seeded trials of the gait `rough` in two processes, everything wrong at once;
 * ``pushes``: the largest push survived at four instants, in both directions and both engines.
 """
@@ -13,7 +13,8 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 
 from frontal_biped import load_gait, load_robot
-from frontal_biped.design import GaitSpecification, design_gait, load_specification
+from frontal_biped.cross_check import cross_check
+from frontal_biped.design import design_gait, load_specification
 from frontal_biped.gait import Gait
 from frontal_biped.model import FrontalBiped
 from frontal_biped.model.perturbation import ModelErrors
@@ -23,19 +24,6 @@ from frontal_biped.walking import walk
 ENGINES = ("mujoco", "ours")
 INSTANTS = (("just after the impact", 0.02), ("half-way up", 0.5), ("at the reversal", 1.0), ("half-way down", 1.5))
 PUSH_DURATION, PUSH_STEPS, LARGEST_PUSH = 0.05, 6, 60.0  # [s], after the push, [N s]
-
-
-G1 = GaitSpecification(
-    friction=0.4,
-    fri_margin=0.015,
-    touchdown_speed=0.06,
-    min_phase_range=0.04,
-    step_duration=(0.3, 0.8),
-    step_width=(0.2, 0.42),
-    max_pelvis_roll=0.17,
-    max_foot_rotation=0.2,
-)
-"""A gait of g1 for MuJoCo: the stored one moves beta by 0.02 rad only, and its swing foot by 5 rad/s."""
 
 
 def rough() -> tuple[FrontalBiped, Gait]:
@@ -54,15 +42,16 @@ def describe(run: Trajectory) -> str:
     return f"{run.steps_completed} steps, {run.outcome}; {mean}; mean/largest {measured}"
 
 
-def steps(robot: str, path: str, count: str) -> None:
+def steps(count: str, *robots: str) -> None:
     """N steps in both engines."""
-    biped = load_robot(robot)
-    named = {"rough": load_specification("rough"), "g1": G1}
-    gait = design_gait(biped, named[path]).gait if path in named else load_gait(path)
-    assert gait is not None
-    for engine in ENGINES:
-        run = walk(biped, gait, engine=engine, steps=int(count))
-        print(f"{robot} {engine:6} gait T {gait.orbit.step_duration:.4f} s: {describe(run)}", flush=True)
+    for name in robots:
+        if name == "frontal_biped":
+            biped, gait = rough()
+        else:
+            biped = load_robot(name)
+            gait = load_gait(biped.path.with_name(f"{name}.gait.json"))
+        check, _ = cross_check(biped, gait, steps=int(count))
+        print(f"{check}\nstep times differ by {check.step_time_difference:+.2%}\n", flush=True)
 
 
 def trial(job: tuple[int, int]) -> tuple[int, int, str]:
