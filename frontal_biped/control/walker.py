@@ -97,7 +97,7 @@ class Walker:
         settings: gains and limits; default: the gait's friction and normal force, the robot's own torque limits, and
             the gains of `sampled_frequency`.
         stabiliser: chooses the virtual constraints of each phase; an object or one of `STABILISERS` by name. Default:
-            adaptive transitions that leave the energy to the energy law.
+            adaptive transitions that leave the energy to the energy law, and rescale a falling phase that begins early.
         delay: known time from a reading to the torques it leads to [s], a multiple of the period.
         phases: when to believe in a landing or a reversal.
         estimator: what to trust of the readings.
