@@ -42,6 +42,10 @@ class NoFeasiblePointError(ArithmeticError):
     """The inequalities contradict each other, or rounding makes it look so."""
 
 
+class UndecidedError(NoFeasiblePointError):
+    """Rounding does not let tell."""
+
+
 class IndefiniteError(ArithmeticError):
     """H is not positive definite."""
 
@@ -84,6 +88,7 @@ def nearest_point(G: FloatArray, h: FloatArray) -> FloatArray:
 
     Raises:
         NoFeasiblePointError: there is none.
+        UndecidedError: the method did not end.
     """
     n, k = G.shape
     E = np.empty((n + 1, k))
@@ -91,10 +96,10 @@ def nearest_point(G: FloatArray, h: FloatArray) -> FloatArray:
     target = np.zeros(n + 1)
     target[n] = 1.0
     try:
-        weights, _ = nnls(E, target, maxiter=SWEEPS * max(n + 1, k))
+        weights, distance = nnls(E, target, maxiter=SWEEPS * max(n + 1, k))
     except RuntimeError as error:
-        raise NoFeasiblePointError("the active-set method did not end") from error
-    inside = 1.0 - h.dot(weights).item()  # zero where the polyhedron is empty
+        raise UndecidedError("the active-set method did not end") from error
+    inside = distance * distance  # = 1 - h'weights, but without its rounding where it is small; 0: there is no point
     if inside <= EMPTY:
         raise NoFeasiblePointError("the inequalities contradict each other")
     return weights / inside

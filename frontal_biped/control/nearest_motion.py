@@ -24,16 +24,16 @@ import numpy.typing as npt
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.closed_form import Motion, Targets
-from frontal_biped.control.relaxation import CONTACT_WEIGHT, JOINT_WEIGHT, SLACK, TASK_WEIGHT
+from frontal_biped.control.relaxation import CONTACT_WEIGHT, JOINT_WEIGHT, SLACK
 from frontal_biped.control.walking_qp import DDQ, FORCE, OUTPUT_ACCELERATION, TORQUE_LEVER, VARIABLES, U, WalkingQp
-from frontal_biped.least_distance import NoFeasiblePointError, nearest_point
+from frontal_biped.least_distance import NoFeasiblePointError, UndecidedError, nearest_point
 from frontal_biped.quadratic_program import UNBOUNDED
 
 EXACT = 1e-9
 """By how much a row may be missed, in the units of the program."""
 
-FAR = 1000.0
-"""Distance of the limits in r beyond which rounding may hide a solution: 10^4 rad/s^2 at a joint, or as many N m."""
+TASK_WEIGHT = 1e-9
+"""w_t of the least overstepping: smaller than what ProxQP can take, and the answer nearer to the least there is."""
 
 NEVER = -1e9
 """Stands for minus infinity: a row that is never active."""
@@ -96,17 +96,25 @@ class NearestMotion:
         G, h = self._limits(q, dq, origin, along, forces_along)
         if not isfinite(h.sum() + G.sum()):
             return None
-        found, violation = self._optimum(G, h, targets), 0.0
-        if found is None:
-            if _distance(G, h) > FAR:
-                return None
-            s = self._least_overstepping(G, h, targets)
-            found = None if s is None else self._optimum(G, h - s, targets)
-            if found is None:
-                return None
-            violation = (h - G.dot(found[0])).max().item()
-        r, delta = found
+        try:
+            r, delta, violation = self._optimum_or_nearest(G, h, targets)
+        except NoFeasiblePointError:
+            return None
         return Nearest(Motion(origin.ddq + along.dot(r), origin.forces + forces_along.dot(r)), delta, violation)
+
+    def _optimum_or_nearest(self, G: FloatArray, h: FloatArray, targets: Targets) -> tuple[FloatArray, float, float]:
+        """Residuals (4,), delta [rad/s^2] and violation [-]: with the limits as they are, or giving way as they must.
+
+        Raises:
+            NoFeasiblePointError: neither is known to rounding.
+        """
+        try:
+            return *self._optimum(G, h, targets), 0.0
+        except UndecidedError:
+            raise
+        except NoFeasiblePointError:
+            r, delta = self._optimum(G, h - self._least_overstepping(G, h, targets), targets)
+            return r, delta, (h - G.dot(r)).max().item()
 
     def _limits(
         self, q: FloatArray, dq: FloatArray, origin: Motion, along: FloatArray, forces_along: FloatArray
@@ -124,28 +132,35 @@ class NearestMotion:
         bounds = np.concatenate([lower[limited] - ddq, ddq - upper[limited]]) / OUTPUT_ACCELERATION
         return np.concatenate([G, joint, -joint]), np.concatenate([h, np.maximum(bounds, NEVER)])
 
-    def _optimum(self, G: FloatArray, h: FloatArray, targets: Targets) -> tuple[FloatArray, float] | None:
-        """Residuals (4,) and delta [rad/s^2] of the optimum under G r >= h; None where there is none."""
+    def _optimum(self, G: FloatArray, h: FloatArray, targets: Targets) -> tuple[FloatArray, float]:
+        """Residuals (4,) and delta [rad/s^2] of the optimum under G r >= h.
+
+        Raises:
+            NoFeasiblePointError: there is none.
+            UndecidedError: it is not known to rounding.
+        """
         if targets.decrease is None:
-            found = _nearest(G, h)
-            return None if found is None else (found[0], 0.0)
+            return _nearest(G, h)[0], 0.0
         n, b = targets.decrease
         row = np.append(-n, 0.0)
-        found = _nearest(np.vstack([G, row]), np.append(h, b / OUTPUT_ACCELERATION))
-        if found is not None and found[1][-1] <= self._price:
-            return found[0], 0.0
+        try:
+            r, multipliers = _nearest(np.vstack([G, row]), np.append(h, b / OUTPUT_ACCELERATION))
+            if multipliers[-1] <= self._price:
+                return r, 0.0
+        except NoFeasiblePointError:  # not without relaxation
+            pass
         pulled = self._price * row
-        found = _nearest(G, h - G.dot(pulled))
-        if found is None:
-            return None
-        r = found[0] + pulled
+        r = _nearest(G, h - G.dot(pulled))[0] + pulled
         delta = b - OUTPUT_ACCELERATION * row.dot(r).item()
-        return None if delta < 0.0 else (r, delta)
+        if delta < 0.0:
+            raise UndecidedError("neither with nor without relaxation")
+        return r, delta
 
-    def _least_overstepping(self, G: FloatArray, h: FloatArray, targets: Targets) -> FloatArray | None:
+    def _least_overstepping(self, G: FloatArray, h: FloatArray, targets: Targets) -> FloatArray:
         """(k,) by how much each limit gives way, a little more than it must.
 
-        None where that is next to nothing: a solution may exist after all, and this is not the place to tell.
+        Raises:
+            NoFeasiblePointError: rounding makes it look as if motors had to give way too.
         """
         soft, weights = self._soft, self._weights
         if targets.decrease is not None:
@@ -154,27 +169,22 @@ class NearestMotion:
         # the task, as in the program, in units of its own size
         rows[:4] = G.T * (_distance(G, h) / TASK_WEIGHT**0.5)
         rows[4 + np.arange(len(soft)), soft] = weights[soft] ** -0.5
-        try:
-            s = nearest_point(rows, h) / weights
-        except NoFeasiblePointError:
-            return None
-        most = s.max()
-        if most < SLACK:
-            return None
-        s[soft] += SLACK * most
+        s = nearest_point(rows, h) / weights
+        s[soft] += SLACK * max(1.0, s.max())
         return s
 
 
-def _nearest(G: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray] | None:
-    """The point r (4,) nearest to the origin with G r >= h, and multipliers (k,); None where there is none to rounding.
+def _nearest(G: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The point r (4,) nearest to the origin with G r >= h, and multipliers (k,).
 
     It is sought in units of the distance that the farthest row asks for, or rounding would hide a far one.
+
+    Raises:
+        NoFeasiblePointError: there is none.
+        UndecidedError: it is not known to rounding.
     """
     unit = _distance(G, h)
-    try:
-        multipliers = unit * nearest_point(G.T, h / unit)
-    except NoFeasiblePointError:
-        return None
+    multipliers = unit * nearest_point(G.T, h / unit)
     r = multipliers.dot(G)
     active = multipliers.nonzero()[0]
     room = G.dot(r) - h
@@ -182,7 +192,7 @@ def _nearest(G: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray] | No
         r -= np.linalg.lstsq(G[active], room[active], rcond=None)[0]
         room = G.dot(r) - h
         if _missed(room, active) > EXACT:
-            return None
+            raise UndecidedError("the active rows are met to rounding only")
     return r, multipliers
 
 

@@ -22,7 +22,7 @@ SAME = 1e-7
 LEAST = 1e-4
 """Relative agreement of the least overstepping; ProxQP is asked for 1e-6 there."""
 
-BORDER = 5e-3
+BORDER = 2e-3
 """Share of the torque limits by which torques may change where limits begin to give way, over 1e-7 of the way there.
 
 Far from zero for continuity's sake only: what satisfies all limits shrinks to a point there, in a direction along which
