@@ -1,7 +1,5 @@
 """The program solved in the residuals of its targets: its physics, against ProxQP, at and beyond the limits."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -11,9 +9,8 @@ from random_states import assert_close, vectors
 from frontal_biped.control import ControllerSettings, QpController, Source
 from frontal_biped.control.closed_form import StanceDynamics
 from frontal_biped.control.relaxation import CONTACT_WEIGHT, JOINT_WEIGHT
+from frontal_biped.control.settings import OUTPUTS
 from frontal_biped.control.walking_qp import VARIABLES
-from frontal_biped.gait import load_gait
-from frontal_biped.model import load_robot
 from frontal_biped.virtual_constraints import StepPhase
 
 SAME = 1e-7
@@ -30,21 +27,7 @@ torques may change by 1e4 times what the state does. A jump would be of order on
 """
 
 SHIPPED = ("frontal_biped", "g1", "talos_full")
-
-
-@pytest.fixture(scope="module")
-def pairs(biped, reference_gait):
-    """For each robot and kind of output the controller as it is, and one that asks ProxQP at every tick."""
-    found = {}
-    for name in SHIPPED:
-        robot = biped if name == "frontal_biped" else load_robot(name)
-        gait = reference_gait if robot is biped else load_gait(robot.path.with_name(f"{name}.gait.json"))
-        for outputs in ("linearising", "clf"):
-            settings = ControllerSettings(frequency=60.0, joint_rate=60.0, outputs=outputs)
-            found[name, outputs] = tuple(
-                QpController(robot, gait, replace(settings, solver=solver)) for solver in ("exact", "proxqp")
-            )
-    return found
+SETTINGS = {outputs: ControllerSettings(frequency=60.0, joint_rate=60.0, outputs=outputs) for outputs in OUTPUTS}
 
 
 def state(gait, which, s, speed, y, dy):
@@ -97,11 +80,11 @@ def test_residuals_are_what_their_name_says(biped, reference_gait, q, dq, r, p_f
 
 
 # ---------------------------------------------------------------------- against ProxQP
-@pytest.mark.parametrize("outputs", ["linearising", "clf"])
+@pytest.mark.parametrize("outputs", OUTPUTS)
 @pytest.mark.parametrize("name", SHIPPED)
 @given(**off_the_gait)
-def test_active_limits_as_proxqp_has_them(pairs, name, outputs, which, s, speed, y, dy):
-    exact, always = pairs[name, outputs]
+def test_active_limits_as_proxqp_has_them(solvers, name, outputs, which, s, speed, y, dy):
+    exact, always = solvers(name, SETTINGS[outputs])
     q, dq = state(exact.gait, which, s, speed, y, dy)
     found = exact.command(which, q, dq)
     assume(found.source is Source.PROGRAM)
@@ -113,10 +96,10 @@ def test_active_limits_as_proxqp_has_them(pairs, name, outputs, which, s, speed,
     assert found.relaxation == pytest.approx(other.relaxation, rel=SAME, abs=1e-5)
 
 
-@pytest.mark.parametrize("outputs", ["linearising", "clf"])
+@pytest.mark.parametrize("outputs", OUTPUTS)
 @given(seed=st.integers(0, 2**32 - 1))
-def test_limits_give_way_as_little_as_proxqp_has_them(pairs, outputs, seed):
-    exact, always = pairs["frontal_biped", outputs]
+def test_limits_give_way_as_little_as_proxqp_has_them(solvers, outputs, seed):
+    exact, always = solvers("frontal_biped", SETTINGS[outputs])
     rng = np.random.default_rng(seed)
     which = StepPhase(rng.choice(["rising", "falling"]))
     y, dy = 0.2 * rng.normal(size=3), 4.0 * rng.normal(size=3)
@@ -129,7 +112,7 @@ def test_limits_give_way_as_little_as_proxqp_has_them(pairs, outputs, seed):
 
 
 # ---------------------------------------------------------------------- at the border
-@pytest.mark.parametrize("outputs", ["linearising", "clf"])
+@pytest.mark.parametrize("outputs", OUTPUTS)
 def test_torques_are_continuous_where_limits_begin_to_give_way(biped, reference_gait, outputs):
     """Along lines of states from solved to not: the last torques that keep the limits are the first that do not."""
     controller = QpController(biped, reference_gait, ControllerSettings(frequency=60.0, outputs=outputs))

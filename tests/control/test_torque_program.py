@@ -1,7 +1,6 @@
 """The quadratic program of a tick: equal to its closed form, optimal under active limits, and never silently wrong."""
 
 import logging
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ from scipy.optimize import linprog, nnls
 
 from frontal_biped.control import ControllerSettings, QpController, Source
 from frontal_biped.control.walking_qp import DDQ, DELTA, FORCE, VARIABLES, U
-from frontal_biped.model import load_robot
 from frontal_biped.quadratic_program import UNBOUNDED
 from frontal_biped.virtual_constraints import StepPhase
 
@@ -31,23 +29,6 @@ NEARLY = 1e-6
 SHIPPED = ("frontal_biped", "g1", "icub", "talos_full")
 
 
-@pytest.fixture(scope="module")
-def walkers(biped, reference_gait):
-    """Robots with a gait, the controller as it is and one that asks ProxQP at every tick, for both kinds of output."""
-    from frontal_biped.gait import load_gait
-
-    found = {}
-    for name in SHIPPED:
-        robot = biped if name == "frontal_biped" else load_robot(name)
-        gait = reference_gait if robot is biped else load_gait(robot.path.with_name(f"{name}.gait.json"))
-        for outputs in ("linearising", "clf"):
-            settings = ControllerSettings(outputs=outputs)
-            found[name, outputs] = tuple(
-                QpController(robot, gait, replace(settings, solver=solver)) for solver in ("exact", "proxqp")
-            )
-    return found
-
-
 @pytest.mark.parametrize("outputs", ["linearising", "clf"])
 @pytest.mark.parametrize("name", SHIPPED)
 @given(
@@ -57,9 +38,9 @@ def walkers(biped, reference_gait):
     y=vectors(-0.002, 0.002, 3),
     dy=vectors(-0.02, 0.02, 3),
 )
-def test_proxqp_finds_the_closed_form(walkers, name, outputs, which, s, speed, y, dy):
+def test_proxqp_finds_the_closed_form(solvers, name, outputs, which, s, speed, y, dy):
     """Near the gait, where no limit is active, the closed form is ProxQP's answer."""
-    exact, always = walkers[name, outputs]
+    exact, always = solvers(name, ControllerSettings(outputs=outputs))
     phase = exact.phase(which)
     beta = phase.beta_start + s * phase.range
     h_d, h_d1, *_ = phase.desired(beta)
