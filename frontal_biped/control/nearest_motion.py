@@ -114,7 +114,7 @@ class NearestMotion:
             raise
         except NoFeasiblePointError:
             r, delta = self._optimum(G, h - self._least_overstepping(G, h, targets), targets)
-            return r, delta, (h - G.dot(r)).max().item()
+            return r, delta, max(0.0, (h - G.dot(r)).max().item())
 
     def _limits(
         self, q: FloatArray, dq: FloatArray, origin: Motion, along: FloatArray, forces_along: FloatArray
