@@ -100,10 +100,13 @@ def speed_at_end(falling: PhaseEnergy) -> float:
     Raises:
         ReversalError: the robot stops before.
     """
+    if not falling.complete:
+        raise ReversalError(falling.why)
+    spent = np.concatenate([panel.spent(panel.motion.q[:, 0]) for panel in falling.panels])
+    if not np.all(spent[1:] < 0.0):  # of a robot that leans the wrong way right from the start
+        raise ReversalError("the robot stops in the falling phase")
     last = falling.panels[-1]
     zeta = -np.exp(float(last.growth(last.end))) * float(last.spent(last.end))
-    if not zeta > 0.0 or not falling.complete:
-        raise ReversalError("the robot stops in the falling phase" if falling.complete else falling.why)
     return -float(np.sqrt(2.0 * zeta)) / float(last.restricted.I_P[-1])
 
 

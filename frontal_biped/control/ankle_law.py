@@ -102,11 +102,20 @@ class AnkleLaw:
             except ReversalError:
                 return target  # it does not fall: far too slow
 
-        return shifted_fri(phase, self.best_shift(phase, missing, reversal, phase.beta_end))
+        return shifted_fri(phase, self.falling_shift(phase, missing, reversal))
 
-    def best_shift(self, phase: Phase, error: Callable[[float], float], start: float, end: float) -> float:
-        """The shift at which a decreasing error vanishes, or the end of the sole that comes nearest [m]."""
+    def falling_shift(self, phase: Phase, error: Callable[[float], float], reversal: float) -> float:
+        """`best_shift` of a falling phase; the robot falls from rest only while it leans inwards of its FRI [m]."""
+        at = phase.motion(np.array([reversal]))
+        leaning = float(self.biped.com(at.q[0])[0] - at.p_fri[0])
+        return self.best_shift(phase, error, reversal, phase.beta_end, most=leaning - self.margin)
+
+    def best_shift(
+        self, phase: Phase, error: Callable[[float], float], start: float, end: float, most: float = np.inf
+    ) -> float:
+        """The shift at which an error vanishes, or the end of the sole that comes nearest, at most ``most`` [m]."""
         low, high = self.room(phase, start, end)
+        high = max(min(high, most), 0.0)
         if low >= high:
             return 0.0
         if abs(error(0.0)) < 1e-12:

@@ -110,7 +110,7 @@ class StepLaw:
             except (ReversalError, UnreachablePoseError):
                 return -error
 
-        return shifted_fri(phase, self.ankle.best_shift(phase, left, reversal, phase.beta_end))
+        return shifted_fri(phase, self.ankle.falling_shift(phase, left, reversal))
 
     # ------------------------------------------------------------------ widths
     def to_width(self, rising: Phase, reversal: float, width: float) -> Phase:
