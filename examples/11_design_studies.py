@@ -26,7 +26,7 @@ def main(out: Path, margins: int = 9, degrees: int = 8, fri_degrees: int = 3) ->
     robot, specification = fb.load_robot("frontal_biped"), fb.GaitSpecification()
     values = [0.25 * (i + 1) for i in range(margins)]
     front = pareto_front(robot, specification, "min_energy_margin", values, show)
-    label = "energy to spare before tipping, over the energy of the orbit [-]"
+    label = "energy margin, over the orbit's energy [-]"
     figure = pareto_figure(front, "energy_margin", label, "What an energy margin costs")
     write_text(out / "pareto.svg", figure_svg(figure))
     series = degree_study(robot, specification, range(4, degrees + 1), range(1, fri_degrees + 1), show)

@@ -54,7 +54,7 @@ def studies(out: Path) -> None:
     """Cost over energy margin, and over degree: the figures of 11_design_studies.py."""
     robot, specification = fb.load_robot("frontal_biped"), fb.GaitSpecification()
     front = pareto_front(robot, specification, "min_energy_margin", [0.25 * (i + 1) for i in range(9)])
-    label = "energy to spare before tipping, over the energy of the orbit [-]"
+    label = "energy margin, over the orbit's energy [-]"
     write_figure(out, "pareto", pareto_figure(front, "energy_margin", label, "What an energy margin costs"))
     series = degree_study(robot, specification, range(4, 9), range(1, 4))
     write_figure(out, "degrees", degree_figure(series))

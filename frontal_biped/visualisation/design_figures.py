@@ -39,7 +39,7 @@ def pareto_figure(points: Sequence[StudyPoint], measure: str, label: str, title:
     x, cost = zip(*found, strict=True)
     axes.plot(x, cost, color=BLUE, marker="o", markersize=4.5)
     axes.set(xlabel=label, ylabel=COST_LABEL, title=title)
-    axes.set_ylim(bottom=0.0)
+    axes.set_ylim(0.0, 1.08 * max(cost))  # room for the highest marker
     return figure
 
 
