@@ -25,7 +25,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 import frontal_biped as fb
-from frontal_biped.zero_dynamics import phase_orbit, restrict
+from frontal_biped.zero_dynamics.orbit import phase_orbit
+from frontal_biped.zero_dynamics.restricted import restrict
 
 NODES = (8, 16, 24)
 TIGHT = 1e-12  # relative tolerance of the ODE solver

@@ -17,8 +17,8 @@ Try a start 50 % off: the speed still returns, 0.76 of the error a step.
 import numpy as np
 
 import frontal_biped as fb
-from frontal_biped.poincare import HybridZeroDynamics
-from frontal_biped.walking import simulated_multiplier
+from frontal_biped.analysis.sensitivity import simulated_multiplier
+from frontal_biped.zero_dynamics.poincare import HybridZeroDynamics
 
 
 def main() -> None:

@@ -18,9 +18,9 @@ Leave out max_pelvis_roll: Phi' grows to 0.96, and the iteration takes hundreds 
 """
 
 import frontal_biped as fb
-from frontal_biped.reversal_certificate import certify_reversal
-from frontal_biped.reversal_problem import ReversalProblem
-from frontal_biped.reversal_solver import solve_reversal, successive_approximation
+from frontal_biped.zero_dynamics.reversal.certificate import certify_reversal
+from frontal_biped.zero_dynamics.reversal.problem import ReversalProblem
+from frontal_biped.zero_dynamics.reversal.solver import solve_reversal, successive_approximation
 
 GUESS = 2e-4  # [rad] off the planned reversal
 NODES = 24

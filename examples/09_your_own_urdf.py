@@ -20,9 +20,9 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import frontal_biped as fb
-from frontal_biped.files import write_text
+from frontal_biped.files.atomic import write_text
 from frontal_biped.model import models_dir
-from frontal_biped.model.proposal import propose_description
+from frontal_biped.model.urdf.proposal import propose_description
 
 
 def heavier_robot(path: Path) -> None:

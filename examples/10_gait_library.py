@@ -22,7 +22,7 @@ from pathlib import Path
 
 import frontal_biped as fb
 from frontal_biped.design import design_transition
-from frontal_biped.files import write_text
+from frontal_biped.files.atomic import write_text
 from frontal_biped.library import GaitLibrary, build_library, read_sweep
 
 SWEEP = """

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import frontal_biped as fb
 from frontal_biped.design import StudyPoint, degree_study, pareto_front
-from frontal_biped.files import write_text
-from frontal_biped.visualisation import figure_svg
-from frontal_biped.visualisation.design_figures import degree_figure, pareto_figure
+from frontal_biped.figures import figure_svg
+from frontal_biped.figures.design import degree_figure, pareto_figure
+from frontal_biped.files.atomic import write_text
 
 
 def show(point: StudyPoint) -> None:

@@ -18,12 +18,13 @@ from typing import Any
 import frontal_biped as fb
 from frontal_biped.cli import main as frontal_biped_command
 from frontal_biped.design import degree_study, pareto_front
-from frontal_biped.files import atomic_path, write_text
+from frontal_biped.figures.design import degree_figure, pareto_figure
+from frontal_biped.figures.state import snapshots as snapshots_figure
+from frontal_biped.figures.write import write_figure
+from frontal_biped.files.atomic import atomic_path, write_text
 from frontal_biped.model import models_dir
-from frontal_biped.visualisation import animation_page, orbit_trajectory
-from frontal_biped.visualisation.design_figures import degree_figure, pareto_figure
-from frontal_biped.visualisation.figures import write_figure
-from frontal_biped.visualisation.state_figures import snapshots as snapshots_figure
+from frontal_biped.simulation import orbit_trajectory
+from frontal_biped.viewer import animation_page
 
 SOFTWARE_GL = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 PATIENCE = 300_000.0  # [ms]; software rendering on a busy machine is slow

@@ -18,18 +18,18 @@ from typing import NamedTuple
 import numpy as np
 
 import frontal_biped as fb
-from frontal_biped.control.transitions import AdaptiveTransitions
+from frontal_biped.analysis.sensitivity import SETTINGS, reversal_sensitivity
+from frontal_biped.control.stabilisers.transitions import AdaptiveTransitions
 from frontal_biped.design.optimise import OPTIMISER_NODES
 from frontal_biped.design.problem import DesignProblem
-from frontal_biped.files import write_text
-from frontal_biped.half_steps import rising_energy
-from frontal_biped.reversal_solver import ReversalProblem, solve_reversal, successive_approximation
-from frontal_biped.sensitivity import SETTINGS, reversal_sensitivity
-from frontal_biped.visualisation.figures import write_figure
-from frontal_biped.visualisation.paper_figures import conventions, reversal_bracket, reversal_zoom
-from frontal_biped.visualisation.robustness_figures import sensitivity
-from frontal_biped.visualisation.state_figures import energy, snapshots
-from frontal_biped.visualisation.time_figures import joint_angles
+from frontal_biped.figures.paper import conventions, reversal_bracket, reversal_zoom
+from frontal_biped.figures.robustness import sensitivity
+from frontal_biped.figures.state import energy, snapshots
+from frontal_biped.figures.time import joint_angles
+from frontal_biped.figures.write import write_figure
+from frontal_biped.files.atomic import write_text
+from frontal_biped.zero_dynamics.half_steps import rising_energy
+from frontal_biped.zero_dynamics.reversal.solver import ReversalProblem, solve_reversal, successive_approximation
 
 LEVEL = fb.GaitSpecification(max_pelvis_roll=float(np.radians(5.0)))
 GUESS = 2e-4  # [rad] that the paper's iteration starts off the reversal

@@ -17,13 +17,19 @@ from frontal_biped.exceptions import FrontalBipedError
 from frontal_biped.version import __version__
 
 if TYPE_CHECKING:
-    from frontal_biped.analysis import GaitAnalysis, analyze
-    from frontal_biped.design import DesignResult, GaitSpecification, design_gait, read_specification
-    from frontal_biped.gait import Gait, load_gait, save_gait
-    from frontal_biped.model import FrontalBiped, load_robot, robot_names
-    from frontal_biped.scenarios import Scenario, TrialResult, load_scenario, run_scenario, run_trials
-    from frontal_biped.simulation import Trajectory, load_trajectory, save_trajectory
-    from frontal_biped.walking import simulate
+    from frontal_biped.analysis.closed_form import GaitAnalysis, analyze
+    from frontal_biped.design.optimise import DesignResult, design_gait
+    from frontal_biped.gait.file import load_gait, save_gait
+    from frontal_biped.gait.gait import Gait
+    from frontal_biped.gait.specification import GaitSpecification, read_specification
+    from frontal_biped.model.biped import FrontalBiped
+    from frontal_biped.model.catalogue import load_robot, robot_names
+    from frontal_biped.scenarios.file import load_scenario
+    from frontal_biped.scenarios.monte_carlo import run_trials
+    from frontal_biped.scenarios.run import TrialResult, run_scenario
+    from frontal_biped.scenarios.scenario import Scenario
+    from frontal_biped.simulation.trajectory import Trajectory, load_trajectory, save_trajectory
+    from frontal_biped.simulation.walking import simulate
 
 __all__ = [
     "DesignResult",
@@ -56,7 +62,7 @@ _HOME = {
     "FrontalBiped": "model",
     "Gait": "gait",
     "GaitAnalysis": "analysis",
-    "GaitSpecification": "design",
+    "GaitSpecification": "gait",
     "Scenario": "scenarios",
     "Trajectory": "simulation",
     "TrialResult": "scenarios",
@@ -66,13 +72,13 @@ _HOME = {
     "load_robot": "model",
     "load_scenario": "scenarios",
     "load_trajectory": "simulation",
-    "read_specification": "design",
+    "read_specification": "gait",
     "robot_names": "model",
     "run_scenario": "scenarios",
     "run_trials": "scenarios",
     "save_gait": "gait",
     "save_trajectory": "simulation",
-    "simulate": "walking",
+    "simulate": "simulation",
 }
 
 

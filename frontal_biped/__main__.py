@@ -2,6 +2,6 @@
 
 import sys
 
-from frontal_biped.cli import main
+from frontal_biped.cli.main import main
 
 sys.exit(main())

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from frontal_biped.scenarios import ScenarioResult, TrialResult
+    from frontal_biped.scenarios.monte_carlo import ScenarioResult
+    from frontal_biped.scenarios.run import TrialResult
 
 SUFFIX = ".scenario.toml"
 
@@ -71,7 +72,8 @@ class ScenarioItem(pytest.Item):
 
     def runtest(self) -> None:
         """Walk, and fail unless all expectations hold."""
-        from frontal_biped.scenarios import load_scenario, run_trials
+        from frontal_biped.scenarios.file import load_scenario
+        from frontal_biped.scenarios.monte_carlo import run_trials
         from frontal_biped.scenarios.report import table
 
         option = self.config.getoption
@@ -111,7 +113,8 @@ def trial(request: pytest.FixtureRequest) -> "Callable[..., TrialResult]":
 
     def run(path: Path | str, *, check: bool = True, **arguments: Any) -> "TrialResult":
         from frontal_biped.exceptions import FrontalBipedError
-        from frontal_biped.scenarios import load_scenario, run_scenario
+        from frontal_biped.scenarios.file import load_scenario
+        from frontal_biped.scenarios.run import run_scenario
 
         __tracebackhide__ = True
         try:

@@ -10,9 +10,10 @@ import pytest
 from hypothesis import settings
 from robot_files import write_robot
 
-from frontal_biped.design import DesignResult, GaitSpecification, design_gait, load_specification
-from frontal_biped.gait import Gait
+from frontal_biped.design import DesignResult, design_gait
+from frontal_biped.gait import Gait, GaitSpecification, load_gait, load_specification
 from frontal_biped.model import FrontalBiped, load_robot
+from frontal_biped.simulation import Trajectory, orbit_trajectory, simulate
 
 # Fixtures are expensive and read-only; a slow machine is no failure; the same examples in every run.
 settings.register_profile("physics", max_examples=25, deadline=None, derandomize=True)
@@ -93,3 +94,28 @@ def robust_gait(biped: FrontalBiped) -> Gait:
     result = design_gait(biped, load_specification("robust"))
     assert result.gait is not None, result.message
     return result.gait
+
+
+# ---------------------------------------------------------------------- a run to draw
+@pytest.fixture(scope="session")
+def gait() -> Gait:
+    """Stored, so that these tests wait for no optimiser; nothing here depends on its quality."""
+    return load_gait(Path(__file__).parent / "data" / "gait.json")
+
+
+@pytest.fixture(scope="session")
+def orbit(biped: FrontalBiped, gait: Gait) -> Trajectory:
+    return orbit_trajectory(biped, gait)
+
+
+@pytest.fixture(scope="session")
+def walk(biped: FrontalBiped, gait: Gait) -> Trajectory:
+    run = simulate(biped, gait, steps=4)
+    assert not run.fell
+    return run
+
+
+@pytest.fixture(scope="session", params=["orbit", "walk"])
+def trajectory(request: pytest.FixtureRequest, orbit: Trajectory, walk: Trajectory) -> Trajectory:
+    """The orbit in closed form, then the simulated walk."""
+    return {"orbit": orbit, "walk": walk}[request.param]

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from frontal_biped.model import FrontalBiped, Stance, impact, relabel
-from frontal_biped.model.frontal_chain import UPRIGHT, FrontalChain
+from frontal_biped.model.chain import UPRIGHT, FrontalChain
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from robot_laws import LAWS
 
 import frontal_biped as fb
-from frontal_biped.files import write_text
+from frontal_biped.files.atomic import write_text
 from frontal_biped.model import models_dir
 
 assert "site-packages" in str(models_dir()), f"robots come from {models_dir()}, not from the wheel"

@@ -1,147 +1,173 @@
-"""The one-way architecture, read from the imports themselves."""
+"""The one-way architecture, read from the imports themselves (`module_graph`)."""
 
-import ast
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from module_graph import circles, faces, floors, imported_names, module_files, module_graph, room_graph
 
 import frontal_biped
 
 PACKAGE = Path(frontal_biped.__file__).parent
+TESTS = Path(__file__).parent
 
-ANYONE = {"arrays", "exceptions", "files", "toml_fields", "version", "provenance"}
-"""Helpers without mechanics; every place may use them."""
+MOST_ROOMS, MOST_FLOORS = 22, 13
+"""What a newcomer can keep in mind: files and folders directly under the package, and how high they are stacked."""
 
-# place: the other places it may import; model -> virtual_constraints -> zero_dynamics -> poincare -> gait -> design
+ANYONE = {"arrays", "exceptions", "version", "files", "numerics"}
+"""Rooms without mechanics; every room may use them."""
+
+MECHANICS = {"model", "virtual_constraints", "zero_dynamics"}
+
+# room: the other rooms it may import. The paper's sections from the ground up, then what is built on them.
 MAY_IMPORT = {
-    "model": set(),
-    "quadrature": set(),
-    "quadratic_program": set(),
-    "least_distance": set(),
-    "virtual_constraints": {"model"},
-    "zero_dynamics": {"model", "virtual_constraints", "quadrature"},
-    "poincare": {"model", "virtual_constraints", "zero_dynamics"},
-    "phase_energy": {"model", "virtual_constraints", "zero_dynamics"},
-    "half_steps": {"model", "virtual_constraints", "poincare", "phase_energy"},
-    "chebyshev": set(),
-    "reversal": {"model", "virtual_constraints", "zero_dynamics", "poincare", "gait"},
-    "reversal_problem": {"model", "virtual_constraints", "poincare", "reversal"},
-    "reversal_solver": {"poincare", "reversal_problem"},
-    "reversal_zeros": {"chebyshev", "reversal_problem"},
-    "reversal_certificate": {"zero_dynamics", "poincare", "chebyshev", "reversal_problem", "reversal_zeros"},
-    "gait": {"model", "virtual_constraints", "zero_dynamics", "poincare"},
-    "design": {
-        "model", "quadrature", "virtual_constraints", "zero_dynamics", "poincare", "gait", "simulation", "walking",
-        "least_distance",
+    "arrays": set(),
+    "exceptions": set(),
+    "version": set(),
+    "files": {"arrays", "exceptions", "version"},
+    "numerics": {"arrays", "exceptions"},
+    "model": ANYONE,
+    "virtual_constraints": ANYONE | {"model"},
+    "zero_dynamics": ANYONE | {"model", "virtual_constraints"},
+    "gait": ANYONE | MECHANICS,
+    "control": ANYONE | MECHANICS | {"gait"},
+    "simulation": ANYONE | MECHANICS | {"gait", "control"},
+    "design": ANYONE | MECHANICS | {"gait", "simulation"},
+    "analysis": ANYONE | MECHANICS | {"gait", "control", "simulation"},
+    "viewer": ANYONE | {"model", "simulation"},
+    "library": ANYONE | {"model", "gait", "design"},
+    "scenarios": ANYONE | MECHANICS | {"gait", "control", "simulation", "design"},
+    "figures": ANYONE | MECHANICS | {"gait", "control", "simulation", "design", "analysis"},
+    "studio": ANYONE | MECHANICS | {"gait", "control", "simulation", "design", "analysis", "viewer"},
+    "demo": ANYONE | MECHANICS | {
+        "gait", "control", "simulation", "design", "analysis", "viewer", "figures", "library",
     },
-    "library": {"model", "design", "gait"},
-    "contact_margins": {"model", "zero_dynamics", "poincare", "phase_energy", "half_steps", "gait"},
-    "control": {
-        "model", "virtual_constraints", "gait", "quadratic_program", "least_distance", "phase_energy", "half_steps",
-        "contact_margins",
+    "pytest_plugin": {"exceptions", "scenarios"},
+    "cli": ANYONE | MECHANICS | {
+        "gait", "control", "simulation", "design", "analysis", "viewer", "figures", "library", "scenarios", "studio",
+        "demo",
     },
-    "return_map": {"model", "virtual_constraints", "phase_energy", "half_steps", "gait", "contact_margins", "control"},
-    "simulation": {"model", "virtual_constraints", "control"},
-    "cross_check": {"model", "zero_dynamics", "gait", "simulation", "walking"},
-    "scenarios": {"model", "gait", "control", "design", "simulation", "walking"},
+    "__main__": {"cli"},
 }  # fmt: skip
 
-APPLICATIONS = {"cli", "demo", "studio", "pytest_plugin", "__main__"}
-"""They see everything, and nothing below sees them."""
-
-# foreign package: the only places that may import it
+# foreign package: the only modules, or packages of them, that may import it
 ONLY_IN = {
-    "meshcat": {"visualisation"},
-    "matplotlib": {"visualisation"},
-    "umsgpack": {"visualisation"},
-    "proxsuite": {"quadratic_program"},
-    "distributed": {"library"},
-    "mujoco": {"simulation"},
+    "meshcat": {"viewer"},
+    "umsgpack": {"viewer"},
+    "playwright": {"viewer.headless"},
+    "PIL": {"viewer"},
+    "matplotlib": {"figures"},
+    "proxsuite": {"numerics.quadratic_program"},
+    "distributed": {"library.executors"},
+    "mujoco": {"simulation.mujoco"},
     "viser": {"studio"},
     "pytest": {"pytest_plugin"},
-    "playwright": {"visualisation"},
-    "PIL": {"visualisation"},
 }
 
 
-def imports(path: Path) -> set[str]:
-    """Dotted names of the modules a file imports, anywhere in it, except for type checking only."""
-    found = set()
-    nodes = [ast.parse(path.read_text(encoding="utf-8"))]
-    while nodes:
-        node = nodes.pop()
-        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
-            nodes += node.orelse
-            continue
-        if isinstance(node, ast.Import):
-            found |= {name.name for name in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{path}: imports are absolute"
-            found |= {f"{node.module}.{name.name}" for name in node.names}
-        nodes += ast.iter_child_nodes(node)
-    return found
-
-
-def imports_by_place() -> dict[str, set[str]]:
-    """What each module or subpackage at the top level of the package imports."""
-    table: dict[str, set[str]] = {}
-    for path in PACKAGE.rglob("*.py"):
-        place = path.relative_to(PACKAGE).with_suffix("").parts[0]
-        if place != "__init__":
-            table.setdefault(place, set()).update(imports(path))
-    return table
+@pytest.fixture(scope="module")
+def rooms():
+    return room_graph(PACKAGE)
 
 
 @pytest.fixture(scope="module")
-def imported():
-    return imports_by_place()
+def modules():
+    return module_graph(PACKAGE)
 
 
-@pytest.fixture(scope="module")
-def arrows(imported):
-    """Place to the other places of the package that it imports."""
-    return {
-        place: {name.split(".")[1] for name in names if name.startswith("frontal_biped.")} - {place}
-        for place, names in imported.items()
+def test_every_room_has_its_place_in_the_table(rooms):
+    assert set(rooms) == set(MAY_IMPORT)
+
+
+@pytest.mark.parametrize("room", MAY_IMPORT)
+def test_imports_go_one_way(rooms, room):
+    assert rooms[room] <= MAY_IMPORT[room]
+
+
+def test_house_stays_small(rooms):
+    assert len(rooms) <= MOST_ROOMS
+    assert max(floors(rooms).values()) <= MOST_FLOORS
+
+
+def test_no_circles_of_rooms(rooms):
+    assert circles(rooms) == []
+
+
+def test_no_circles_of_files(modules):
+    """Neither between packages nor inside one; package faces are files like any other."""
+    assert circles(modules) == []
+
+
+def test_names_are_imported_from_the_module_that_defines_them(modules):
+    """A face (``__init__``) is for users; inside, going through one would tie a module to all the face hands on."""
+    shown = faces(PACKAGE)
+    through = {
+        module: sorted(targets & shown)
+        for module, targets in modules.items()
+        if module not in shown and targets & shown and module not in FACES_ON_PURPOSE
     }
+    assert through == {}
 
 
-@pytest.mark.parametrize("place", MAY_IMPORT)
-def test_imports_go_one_way(arrows, place):
-    assert arrows[place] - ANYONE <= MAY_IMPORT[place]
-
-
-@pytest.mark.parametrize("place", sorted(ANYONE))
-def test_helpers_know_nothing_of_the_robot(arrows, place):
-    assert arrows[place] <= ANYONE
-
-
-def test_no_cycles(arrows):
-    left = {place: set(names) for place, names in arrows.items()}
-    while left:
-        leaves = {place for place, names in left.items() if not names & set(left)}
-        assert leaves, f"a cycle among {sorted(left)}"
-        left = {place: names for place, names in left.items() if place not in leaves}
-
-
-def test_nothing_sees_the_applications(arrows):
-    for place, names in arrows.items():
-        if place not in APPLICATIONS:
-            assert not names & APPLICATIONS, place
-
-
-def test_only_applications_see_the_visualisation(arrows):
-    for place, names in arrows.items():
-        if place not in APPLICATIONS:
-            assert "visualisation" not in names, place
+FACES_ON_PURPOSE = {"frontal_biped.__main__"}
+"""Behave as a user would."""
 
 
 @pytest.mark.parametrize("package", ONLY_IN)
-def test_foreign_packages_keep_to_their_place(imported, package):
-    users = {place for place, names in imported.items() if any(name.split(".")[0] == package for name in names)}
-    assert users <= ONLY_IN[package]
+def test_foreign_packages_keep_to_their_place(package):
+    places = tuple(f"frontal_biped.{place}" for place in ONLY_IN[package])
+    users = {
+        module
+        for module, path in module_files(PACKAGE).items()
+        if any(name.split(".")[0] == package for name in imported_names(path))
+    }
+    strangers = {module for module in users if not f"{module}.".startswith(tuple(f"{place}." for place in places))}
+    assert users
+    assert strangers == set()
+
+
+def test_tests_mirror_the_package():
+    """Every folder of tests is a package, and every package with code of its own has a folder of tests."""
+    apart = {"benchmarks", "data"}
+    tested = {
+        str(folder.relative_to(TESTS))
+        for path in TESTS.rglob("test_*.py")
+        if (folder := path.parent) != TESTS and folder.relative_to(TESTS).parts[0] not in apart
+    }
+    packages = {"/".join(face.split(".")[1:]) for face in faces(PACKAGE)} - {""}
+    assert tested <= packages
+    assert {package for package in packages if "/" not in package} <= {folder.split("/")[0] for folder in tested}
+
+
+class TestTheDetectors:
+    """The checks above would see what they look for."""
+
+    @pytest.fixture
+    def tangled(self, tmp_path):
+        files = {
+            "a/__init__.py": "from house.a.one import x",
+            "a/one.py": "def f():\n    from house.a import two",
+            "a/two.py": "from house.a.one import x\nimport house.b",
+            "b.py": "if TYPE_CHECKING:\n    from house.c import z",
+            "c.py": "from house.a import x",
+        }
+        for name, text in {"__init__.py": "", **files}.items():
+            path = tmp_path / "house" / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+        return tmp_path / "house"
+
+    def test_a_circle_inside_a_package(self, tangled):
+        assert circles(module_graph(tangled)) == [["house.a.one", "house.a.two"]]
+
+    def test_arrows_and_floors(self, tangled):
+        assert room_graph(tangled) == {"a": {"b"}, "b": set(), "c": {"a"}}
+        assert floors(room_graph(tangled)) == {"b": 1, "a": 2, "c": 3}
+
+    def test_a_circle_of_rooms(self, tangled):
+        (tangled / "b.py").write_text("import house.c", encoding="utf-8")
+        assert circles(room_graph(tangled)) == [["a", "b", "c"]]
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from frontal_biped.cli import main
-from frontal_biped.design import GaitSpecification, read_specification
+from frontal_biped.gait import GaitSpecification, read_specification
 from frontal_biped.model import load_robot, models_dir
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -10,22 +10,29 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from frontal_biped.analysis import analyze
-from frontal_biped.cli.demo import make_demo
+from frontal_biped.analysis.closed_form import analyze
+from frontal_biped.analysis.cross_check import cross_check
+from frontal_biped.analysis.robustness import robustness_card
 from frontal_biped.cli.main import SUCCESS, TASK_FAILED
 from frontal_biped.cli.progress import Progress
 from frontal_biped.cli.view import VIEWED_STEPS, watched
-from frontal_biped.control import ControllerSettings
-from frontal_biped.cross_check import cross_check
-from frontal_biped.design import default_specification, design_gait, load_specification
+from frontal_biped.control.settings import ControllerSettings
+from frontal_biped.demo.demo import make_demo
+from frontal_biped.design.optimise import design_gait
 from frontal_biped.exceptions import FrontalBipedError, GaitFileError, SimulationError
-from frontal_biped.files import require_folder, require_parent
-from frontal_biped.gait import Gait, gait_from_dict, load_gait, save_gait
-from frontal_biped.library import build_library, dask_executor, read_sweep, worker_processes
-from frontal_biped.model import FrontalBiped, load_robot
-from frontal_biped.robustness import robustness_card
-from frontal_biped.simulation import Disturbances, Trajectory, load_trajectory, save_trajectory
-from frontal_biped.walking import sampled_settings, simulate
+from frontal_biped.files.atomic import require_folder, require_parent
+from frontal_biped.gait.file import gait_from_dict, load_gait, save_gait
+from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.shipped import load_specification
+from frontal_biped.gait.specification import default_specification
+from frontal_biped.library.build import build_library
+from frontal_biped.library.executors import dask_executor, worker_processes
+from frontal_biped.library.sweep import read_sweep
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.catalogue import load_robot
+from frontal_biped.simulation.disturbances import Disturbances
+from frontal_biped.simulation.trajectory import Trajectory, load_trajectory, save_trajectory
+from frontal_biped.simulation.walking import sampled_settings, simulate
 
 
 def run_demo(arguments: argparse.Namespace) -> int:
@@ -171,7 +178,7 @@ def run_simulate(arguments: argparse.Namespace) -> int:
 
 def run_plot(arguments: argparse.Namespace) -> int:
     """`frontal-biped plot`."""
-    from frontal_biped.visualisation import write_figures
+    from frontal_biped.figures.write import write_figures
 
     biped, gait, run = _load_source(arguments, walk=True)
     for path in write_figures(arguments.output, biped, gait, run, arguments.format):

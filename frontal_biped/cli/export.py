@@ -10,8 +10,8 @@ from frontal_biped.cli.main import SUCCESS
 from frontal_biped.cli.progress import Progress
 from frontal_biped.cli.view import Watched, watched
 from frontal_biped.exceptions import FrontalBipedError
-from frontal_biped.files import require_parent, write_text
-from frontal_biped.gait import load_gait
+from frontal_biped.files.atomic import require_parent, write_text
+from frontal_biped.gait.file import load_gait
 
 ENDINGS = (".csv", ".gif", ".png", ".html")
 ORBIT_STEPS = 2
@@ -41,7 +41,7 @@ def _exported(arguments: argparse.Namespace) -> Watched:
         biped, run = watched(source, arguments.robot)
         return biped, run if arguments.steps is None else run.first_steps(arguments.steps)
     from frontal_biped.cli.commands import _robot_of
-    from frontal_biped.visualisation import orbit_trajectory
+    from frontal_biped.simulation.orbit import orbit_trajectory
 
     gait = load_gait(source)
     biped = _robot_of(gait, arguments)
@@ -49,9 +49,9 @@ def _exported(arguments: argparse.Namespace) -> Watched:
 
 
 def _write(arguments: argparse.Namespace, target: Path, shown: Watched, end: float) -> None:
-    from frontal_biped.visualisation import animation_page
-    from frontal_biped.visualisation.csv_table import run_table, table_csv
-    from frontal_biped.visualisation.headless import write_gif, write_png
+    from frontal_biped.simulation.csv_table import run_table, table_csv
+    from frontal_biped.viewer.headless import write_gif, write_png
+    from frontal_biped.viewer.page import animation_page
 
     biped, run = shown
     kind = target.suffix.lower()

@@ -55,7 +55,7 @@ class _Version(argparse.Action):
     """`--version` with the versions of the solvers, looked up only when asked for."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-        from frontal_biped.provenance import software_versions
+        from frontal_biped.files.provenance import software_versions
 
         versions = software_versions()
         sys.stdout.write("".join(f"{name} {version}\n" for name, version in versions.items()))

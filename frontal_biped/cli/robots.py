@@ -7,11 +7,10 @@ from typing import Any
 
 from frontal_biped.cli.main import SUCCESS, TASK_FAILED
 from frontal_biped.exceptions import RobotError
-from frontal_biped.files import require_parent, write_text
-from frontal_biped.model import load_robot, robot_names
-from frontal_biped.model.catalogue import description_path
-from frontal_biped.model.packages import EXAMPLE_ROBOT_DATA
-from frontal_biped.model.proposal import propose_description, propose_posture
+from frontal_biped.files.atomic import require_parent, write_text
+from frontal_biped.model.catalogue import description_path, load_robot, robot_names
+from frontal_biped.model.urdf.packages import EXAMPLE_ROBOT_DATA
+from frontal_biped.model.urdf.proposal import propose_description, propose_posture
 
 
 def list_robots() -> tuple[dict[str, Any], str]:

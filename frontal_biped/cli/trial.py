@@ -10,10 +10,12 @@ from dataclasses import replace
 from frontal_biped.cli.main import SUCCESS, TASK_FAILED
 from frontal_biped.cli.progress import Progress
 from frontal_biped.exceptions import ScenarioError
-from frontal_biped.files import require_folder, require_parent
-from frontal_biped.library import worker_processes
-from frontal_biped.scenarios import TrialResult, load_scenario, run_trials
+from frontal_biped.files.atomic import require_folder, require_parent
+from frontal_biped.library.executors import worker_processes
+from frontal_biped.scenarios.file import load_scenario
+from frontal_biped.scenarios.monte_carlo import run_trials
 from frontal_biped.scenarios.report import markdown, table, write_junit
+from frontal_biped.scenarios.run import TrialResult
 
 
 def run_trial(arguments: argparse.Namespace) -> int:

@@ -7,10 +7,11 @@ from pathlib import Path
 from frontal_biped.cli.main import SUCCESS
 from frontal_biped.cli.progress import Progress
 from frontal_biped.exceptions import FrontalBipedError
-from frontal_biped.files import require_parent, write_text
-from frontal_biped.gait import load_gait
-from frontal_biped.model import FrontalBiped, load_robot
-from frontal_biped.simulation import Trajectory, load_trajectory
+from frontal_biped.files.atomic import require_parent, write_text
+from frontal_biped.gait.file import load_gait
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.catalogue import load_robot
+from frontal_biped.simulation.trajectory import Trajectory, load_trajectory
 
 VIEWED_STEPS = 6
 """Walked when a gait is viewed."""
@@ -45,7 +46,8 @@ def watched(source: Path, robot: str | None, steps: int = VIEWED_STEPS) -> Watch
 
 def run_view(arguments: argparse.Namespace) -> int:
     """`frontal-biped view`."""
-    from frontal_biped.visualisation import animation_page, view_live
+    from frontal_biped.viewer.live import view_live
+    from frontal_biped.viewer.page import animation_page
 
     if arguments.html is not None:
         require_parent(arguments.html)

@@ -1,13 +1,13 @@
-"""Control: the quadratic program of the walking robot and the controller around it."""
+"""Control: the quadratic program of the walking robot and the controllers around it."""
 
-from frontal_biped.control.closed_form import Targets
 from frontal_biped.control.controller import Command, QpController
-from frontal_biped.control.limits import ContactLimits, JointLimits
 from frontal_biped.control.settings import ControllerSettings
-from frontal_biped.control.stabilisers import STABILISERS, make_stabiliser
-from frontal_biped.control.torque_program import Source
-from frontal_biped.control.transitions import AdaptiveTransitions, FixedTransitions, Stabiliser
-from frontal_biped.control.walking_qp import WalkingQp
+from frontal_biped.control.stabilisers.by_name import STABILISERS, make_stabiliser
+from frontal_biped.control.stabilisers.transitions import AdaptiveTransitions, FixedTransitions, Stabiliser
+from frontal_biped.control.torques.limits import ContactLimits, JointLimits
+from frontal_biped.control.torques.linearisation import Targets
+from frontal_biped.control.torques.torque_program import Source
+from frontal_biped.control.torques.walking_qp import WalkingQp
 
 __all__ = [
     "STABILISERS",

@@ -7,17 +7,17 @@ from typing import NamedTuple
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.closed_form import Targets
-from frontal_biped.control.lyapunov import LyapunovFunction, least_acceleration
 from frontal_biped.control.settings import ControllerSettings
-from frontal_biped.control.torque_program import Source, TorqueProgram
-from frontal_biped.control.transitions import AdaptiveTransitions, FixedTransitions, Stabiliser
-from frontal_biped.control.walking_qp import OUTPUT_ACCELERATION
+from frontal_biped.control.stabilisers.transitions import AdaptiveTransitions, FixedTransitions, Stabiliser
+from frontal_biped.control.torques.linearisation import Targets
+from frontal_biped.control.torques.lyapunov import LyapunovFunction, least_acceleration
+from frontal_biped.control.torques.torque_program import Source, TorqueProgram
+from frontal_biped.control.torques.walking_qp import OUTPUT_ACCELERATION
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
-from frontal_biped.gait import Gait
-from frontal_biped.half_steps import Landed
+from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.phase import Phase, StepPhase
+from frontal_biped.zero_dynamics.half_steps import Landed
 
 _log = logging.getLogger(__name__)
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from frontal_biped.exceptions import SimulationError
-from frontal_biped.gait import Gait
+from frontal_biped.gait.gait import Gait
 
 OUTPUTS = ("linearising", "clf")
 SOLVERS = ("exact", "proxqp")

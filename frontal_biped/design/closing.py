@@ -6,9 +6,9 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.problem import DesignProblem
-from frontal_biped.gait import Gait, RobotReference, converged_nodes, orbit_numbers
-from frontal_biped.poincare import StepOrbit, step_orbit
+from frontal_biped.gait.gait import Gait, RobotReference, converged_nodes, orbit_numbers
 from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.zero_dynamics.poincare import StepOrbit, step_orbit
 
 NEWTON_STEPS = 6  # on the periodicity equation; quadratic, from about 1e-8
 CLOSED = 1e-14  # scaled periodicity defect at which they stop: rounding

@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from frontal_biped.design.constraints import energy_margin, reversal_shift
 from frontal_biped.design.optimise import OPTIMISER_NODES, DesignResult, design_gait
 from frontal_biped.design.problem import DesignProblem
-from frontal_biped.design.specification import GaitSpecification
-from frontal_biped.gait import Gait
+from frontal_biped.gait.constraints import energy_margin, reversal_shift
+from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 
 JUMP = 5.0

@@ -16,7 +16,7 @@ from frontal_biped.model.biped import BASE, FrontalBiped
 from frontal_biped.model.impact import landing_jacobian
 from frontal_biped.virtual_constraints.invariance import double_support_pose
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion
-from frontal_biped.zero_dynamics import ProjectedDynamics
+from frontal_biped.zero_dynamics.restricted import ProjectedDynamics
 
 WIDTH = BASE + 4
 _A, _B, _G, _SOLE = slice(0, WIDTH), slice(WIDTH, 2 * WIDTH), slice(2 * WIDTH, 3 * WIDTH), slice(3 * WIDTH, None)

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.design.problem import DesignProblem
-from frontal_biped.design.specification import GaitSpecification
 from frontal_biped.design.trust_region_sqp import SqpResult
 from frontal_biped.exceptions import SpecificationError
+from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 
 SHARE = 0.02

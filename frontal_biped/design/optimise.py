@@ -11,14 +11,14 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.closing import ClosedStep, close_step
 from frontal_biped.design.explanation import Conflict, Remedy, conflicts, remedy
 from frontal_biped.design.problem import DesignProblem
-from frontal_biped.design.report import ConstraintReport, check_constraints
-from frontal_biped.design.specification import GaitSpecification, default_specification
 from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, minimise
 from frontal_biped.design.verification import RETURN_TOLERANCE, Verification, verify
 from frontal_biped.exceptions import ReversalError, SpecificationError, UnreachablePoseError
-from frontal_biped.gait import Gait
+from frontal_biped.files.provenance import software_versions
+from frontal_biped.gait.check import ConstraintReport, check_constraints
+from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.specification import GaitSpecification, default_specification
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.provenance import software_versions
 
 OPTIMISER_NODES = 16
 """Quadrature nodes a phase in the optimiser: about 1e-7 in J; the result is integrated again until 1e-11."""

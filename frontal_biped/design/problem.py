@@ -13,17 +13,16 @@ from typing import ClassVar, cast
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.constraints import Constraint, SoleHeights, step_constraints
 from frontal_biped.design.derivatives import DifferentiableBiped, Projection
 from frontal_biped.design.forward_mode import Dual, elementwise, independent
-from frontal_biped.design.margins import MarginLayout, MarginRow, lay_out
-from frontal_biped.design.specification import GaitSpecification
+from frontal_biped.design.rows import MarginLayout, MarginRow, lay_out
 from frontal_biped.design.start import swayed_stand
 from frontal_biped.exceptions import UnreachablePoseError
-from frontal_biped.gait import Gait
+from frontal_biped.gait.constraints import Constraint, SoleHeights, step_constraints
+from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.poincare import Landing, StepOrbit
-from frontal_biped.quadrature import reversal_quadrature
+from frontal_biped.numerics.quadrature import reversal_quadrature
 from frontal_biped.virtual_constraints.bezier import bernstein, elevate
 from frontal_biped.virtual_constraints.invariance import (
     FreeParameters,
@@ -34,7 +33,9 @@ from frontal_biped.virtual_constraints.invariance import (
     rising_parameters,
 )
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase, constrained_motion, phase_basis
-from frontal_biped.zero_dynamics import TORQUES, PhaseOrbit, RestrictedDynamics, integrate_from_reversal
+from frontal_biped.zero_dynamics.orbit import PhaseOrbit, integrate_from_reversal
+from frontal_biped.zero_dynamics.poincare import Landing, StepOrbit
+from frontal_biped.zero_dynamics.restricted import TORQUES, RestrictedDynamics
 
 FLOOR_Z = 1e-2
 """Below this zeta/tau^2 [kg^2 m^4/s^2] the square root is continued smoothly, so that an iterate without an orbit

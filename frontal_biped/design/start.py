@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from frontal_biped.design.specification import GaitSpecification
+from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.frontal_chain import UPRIGHT
+from frontal_biped.model.chain import UPRIGHT
 from frontal_biped.virtual_constraints.invariance import FreeParameters, double_support_pose
 
 LARGEST_ROLL = 0.15

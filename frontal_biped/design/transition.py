@@ -11,16 +11,15 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.closing import close_step
-from frontal_biped.design.constraints import Constraint, SoleHeights, step_constraints
 from frontal_biped.design.optimise import OPTIMISER_NODES, SAFETY, TIGHTENING_ROUNDS
 from frontal_biped.design.problem import COLUMN_REACH, DesignProblem
-from frontal_biped.design.report import ConstraintReport, check_constraints
-from frontal_biped.design.specification import GaitSpecification
 from frontal_biped.design.trust_region_sqp import SqpSettings, minimise
 from frontal_biped.exceptions import DesignFailedError, GaitFileError
-from frontal_biped.gait import Gait
+from frontal_biped.gait.check import ConstraintReport, check_constraints
+from frontal_biped.gait.constraints import Constraint, SoleHeights, step_constraints
+from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.poincare import Landing, StepOrbit, landing_on_constraints
 from frontal_biped.virtual_constraints.invariance import (
     FreeParameters,
     PhaseParameters,
@@ -29,6 +28,7 @@ from frontal_biped.virtual_constraints.invariance import (
     rising_parameters,
 )
 from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.zero_dynamics.poincare import Landing, StepOrbit, landing_on_constraints
 
 
 @dataclass(frozen=True)

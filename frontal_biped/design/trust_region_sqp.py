@@ -17,7 +17,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.least_distance import solve_least_distance
+from frontal_biped.numerics.least_distance import solve_least_distance
 
 GAIN_OF_PENALTY = 0.7
 """A larger penalty that leaves more than this share of the violation will not make the problem feasible."""

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from frontal_biped.gait import Gait
+from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.settings import SimulationSettings
-from frontal_biped.walking import simulate
+from frontal_biped.simulation.walking import simulate
 
 RETURN_TOLERANCE = 1e-4
 """Largest difference of the states after two impacts [rad, rad/s]; the integrator is set to keep a tenth of it."""

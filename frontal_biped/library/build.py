@@ -4,23 +4,19 @@ A batch is a run of neighbours: every gait starts from the last one found in it,
 yields therefore depends on the batch alone, not on the executor, the number of workers or the interruptions.
 """
 
-import contextlib
-import multiprocessing
-import multiprocessing.connection
-import os
-import threading
 import time
-from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from collections.abc import Callable
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
 from frontal_biped.design.optimise import design_gait
-from frontal_biped.exceptions import FrontalBipedError, LibraryError, MissingExtraError
+from frontal_biped.exceptions import FrontalBipedError
 from frontal_biped.library.store import LibraryStore
 from frontal_biped.library.sweep import GridPoint, Sweep
-from frontal_biped.model import FrontalBiped, load_robot
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.catalogue import load_robot
 
 POLL = 0.5  # [s] between two looks at what has been finished
 
@@ -142,44 +138,3 @@ def design_batch(folder: Path, batch: tuple[GridPoint, ...], on_point: Callable[
 @lru_cache(maxsize=8)
 def _robot(name: str) -> FrontalBiped:
     return load_robot(name)
-
-
-def worker_processes(count: int) -> ProcessPoolExecutor:
-    """Executor of local processes, each on one thread; they end with the process that started them, however it ends."""
-    os.environ.setdefault("OMP_NUM_THREADS", "1")  # inherited: the matrices are too small for a second thread
-    return ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"), initializer=_end_with_parent)
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-
-    def watch() -> None:
-        if parent is not None:
-            multiprocessing.connection.wait([parent.sentinel])
-            os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
-
-
-@contextlib.contextmanager
-def dask_executor(address: str) -> Iterator[Executor]:
-    """Executor of a running Dask cluster.
-
-    Args:
-        address: of the scheduler, for example ``tcp://host:8786``.
-
-    Raises:
-        MissingExtraError: Dask is not installed.
-        LibraryError: no scheduler answers.
-    """
-    try:
-        from distributed import Client
-    except ImportError:
-        raise MissingExtraError("--dask needs Dask; install it with pip install 'frontal-biped[dask]'") from None
-    try:
-        client = Client(address, timeout="10s")  # type: ignore[no-untyped-call]
-    except (OSError, ValueError, TimeoutError) as error:
-        raise LibraryError(f"{address}: no Dask scheduler answers ({error}); start one with `dask scheduler`") from None
-    with client:
-        executor: Executor = client.get_executor()  # type: ignore[no-untyped-call]
-        yield executor

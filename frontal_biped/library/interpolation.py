@@ -16,13 +16,13 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.closing import close_step
 from frontal_biped.design.optimise import OPTIMISER_NODES
 from frontal_biped.design.problem import DesignProblem
-from frontal_biped.design.report import ConstraintReport, check_constraints
-from frontal_biped.design.specification import GaitSpecification
 from frontal_biped.exceptions import LibraryError, SpecificationError
-from frontal_biped.gait import Gait
+from frontal_biped.gait.check import ConstraintReport, check_constraints
+from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.library.store import LibraryStore
 from frontal_biped.library.sweep import GridPoint
-from frontal_biped.model import FrontalBiped
+from frontal_biped.model.biped import FrontalBiped
 
 
 @dataclass(frozen=True)

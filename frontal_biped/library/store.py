@@ -16,8 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from frontal_biped.exceptions import LibraryError
-from frontal_biped.files import write_json, write_text
-from frontal_biped.gait import Gait, OrbitNumbers, load_gait, save_gait
+from frontal_biped.files.atomic import write_json, write_text
+from frontal_biped.gait.file import load_gait, save_gait
+from frontal_biped.gait.gait import Gait, OrbitNumbers
 from frontal_biped.library.sweep import GridPoint, Sweep, sweep_from_dict
 
 INDEX = "index.csv"

@@ -14,9 +14,9 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from frontal_biped.design.specification import GaitSpecification
 from frontal_biped.exceptions import FrontalBipedError, SpecificationError
-from frontal_biped.toml_fields import finite_number, load_toml, reject_unknown_keys
+from frontal_biped.files.toml import finite_number, load_toml, reject_unknown_keys
+from frontal_biped.gait.specification import GaitSpecification
 
 DEFAULT_BATCH = 20
 MAX_POINTS = 1_000_000

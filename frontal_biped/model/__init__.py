@@ -1,10 +1,10 @@
-"""The robot: URDF and description in, dynamics in stance coordinates out."""
+"""The robot: URDF and description in, dynamics in stance coordinates out ([O] Sec. II)."""
 
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import load_robot, models_dir, robot_names
-from frontal_biped.model.description import RobotDescription, Sole
 from frontal_biped.model.impact import Impact, impact
 from frontal_biped.model.stance_map import Stance, StanceMap, relabel
+from frontal_biped.model.urdf.description import RobotDescription, Sole
 
 __all__ = [
     "FrontalBiped",

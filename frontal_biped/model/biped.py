@@ -14,9 +14,9 @@ import numpy as np
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.model.description import RobotDescription
-from frontal_biped.model.frontal_chain import GRAVITY, UPRIGHT
-from frontal_biped.model.frontal_reduction import FrontalReduction
+from frontal_biped.model.chain import GRAVITY, UPRIGHT
+from frontal_biped.model.urdf.description import RobotDescription
+from frontal_biped.model.urdf.reduction import FrontalReduction
 
 BASE = 3  # freedoms of the stance foot in the floating model
 

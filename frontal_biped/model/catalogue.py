@@ -6,9 +6,9 @@ from pathlib import Path
 
 from frontal_biped.exceptions import RobotError
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.description import RobotDescription, read_description
-from frontal_biped.model.frontal_reduction import reduce_to_frontal_plane
-from frontal_biped.model.urdf import read_urdf
+from frontal_biped.model.urdf.description import RobotDescription, read_description
+from frontal_biped.model.urdf.read import read_urdf
+from frontal_biped.model.urdf.reduction import reduce_to_frontal_plane
 
 DEFAULT_ROBOT = "frontal_biped"
 

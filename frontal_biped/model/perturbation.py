@@ -13,11 +13,11 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.description import ROLL_JOINTS
-from frontal_biped.model.frontal_reduction import FrontalReduction
-from frontal_biped.model.projection import PELVIS, FrontalBodies
 from frontal_biped.model.stance_map import Stance
-from frontal_biped.model.symmetry import symmetrised
+from frontal_biped.model.urdf.description import ROLL_JOINTS
+from frontal_biped.model.urdf.projection import PELVIS, FrontalBodies
+from frontal_biped.model.urdf.reduction import FrontalReduction
+from frontal_biped.model.urdf.symmetry import symmetrised
 
 LINKS = ("left_foot", "left_leg", "pelvis", "right_leg", "right_foot")
 """The links of the planar chain from left to right: the order of every array of `ModelErrors`."""

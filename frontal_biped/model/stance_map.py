@@ -17,7 +17,7 @@ from enum import Enum
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.model.frontal_chain import UPRIGHT
+from frontal_biped.model.chain import UPRIGHT
 
 _CHAIN_SIGN = np.array([1.0, 1.0, -1.0, -1.0])
 

@@ -1,6 +1,6 @@
 """Scenarios: scripted trials of a controller, in our simulator or in MuJoCo, with expectations."""
 
-from frontal_biped.scenarios.files import load_scenario
+from frontal_biped.scenarios.file import load_scenario
 from frontal_biped.scenarios.monte_carlo import ScenarioResult, Survival, run_trials, survival
 from frontal_biped.scenarios.run import TrialResult, run_scenario
 from frontal_biped.scenarios.scenario import Expectations, Scenario

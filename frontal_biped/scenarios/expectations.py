@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.scenarios.preparation import Prepared
-from frontal_biped.simulation import Trajectory
+from frontal_biped.simulation.trajectory import Trajectory
 
 ROUNDING = 1e-9
 """What a bound leaves for rounding, relative (FRI: in m): a saturated torque is at its limit, not beyond it."""

@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 from scipy.stats import binomtest
 
 from frontal_biped.exceptions import ScenarioError
-from frontal_biped.files import require_folder
+from frontal_biped.files.atomic import require_folder
 from frontal_biped.scenarios.preparation import Prepared, prepare
 from frontal_biped.scenarios.run import OnStep, TrialResult, run_trial
 from frontal_biped.scenarios.scenario import Scenario
-from frontal_biped.simulation import save_trajectory
+from frontal_biped.simulation.trajectory import save_trajectory
 
 CONFIDENCE = 0.95
 """Of the interval of the survival rate."""

@@ -10,13 +10,19 @@ from typing import Any
 
 import numpy as np
 
-from frontal_biped.design import GaitSpecification, default_specification, design_gait, load_specification
+from frontal_biped.design.optimise import design_gait
 from frontal_biped.exceptions import DesignFailedError, FrontalBipedError, ScenarioError
-from frontal_biped.gait import Gait, load_gait
-from frontal_biped.model import FrontalBiped, load_robot, models_dir
+from frontal_biped.files.table import Range, draw
+from frontal_biped.gait.file import load_gait
+from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.shipped import load_specification
+from frontal_biped.gait.specification import GaitSpecification, default_specification
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.catalogue import load_robot, models_dir
 from frontal_biped.model.perturbation import ModelErrors
-from frontal_biped.scenarios.scenario import PushPlan, Range, Scenario, draw
-from frontal_biped.simulation import Disturbances, Push
+from frontal_biped.scenarios.scenario import PushPlan, Scenario
+from frontal_biped.simulation.disturbances import Disturbances
+from frontal_biped.simulation.pushes import Push
 
 
 @dataclass(frozen=True, eq=False)

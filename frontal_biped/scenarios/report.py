@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
 from pathlib import Path
 
-from frontal_biped.files import write_text
+from frontal_biped.files.atomic import write_text
 from frontal_biped.scenarios.monte_carlo import CONFIDENCE, ScenarioResult
 
 MOST_LISTED = 5

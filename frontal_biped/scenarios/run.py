@@ -5,12 +5,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from frontal_biped.gait import gait_to_dict
+from frontal_biped.gait.file import gait_to_dict
 from frontal_biped.scenarios.controllers import Factory, make_controller
 from frontal_biped.scenarios.expectations import Finding, judge, measures
 from frontal_biped.scenarios.preparation import Conditions, Prepared, conditions, prepare, trial_seed
 from frontal_biped.scenarios.scenario import Scenario
-from frontal_biped.simulation import SimulationSettings, Trajectory, simulate_walk
+from frontal_biped.simulation.event_driven import simulate_walk
+from frontal_biped.simulation.settings import SimulationSettings
+from frontal_biped.simulation.trajectory import Trajectory
 
 OnStep = Callable[[int], None]
 
@@ -145,11 +147,11 @@ def _walk(prepared: Prepared, drawn: Conditions, controller: Any, on_step: OnSte
         "errors": drawn.errors, "stance": scenario.stance, "on_step": on_step, "gait": kept
     }  # fmt: skip
     if scenario.simulator == "mujoco":
-        from frontal_biped.simulation.mujoco_walk import walk_in_mujoco
+        from frontal_biped.simulation.mujoco.walk import walk_in_mujoco
 
         return walk_in_mujoco(biped, controller, q, dq, settings, **shared)
     if hasattr(controller, "tick"):
-        from frontal_biped.simulation.sensed_walk import walk_sensed
+        from frontal_biped.simulation.rigid import walk_sensed
 
         return walk_sensed(biped, controller, q, dq, settings, **shared)
     run = simulate_walk(biped, controller, q, dq, settings, **shared)

@@ -5,34 +5,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from frontal_biped.files.table import Range, Value
 from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.model.stance_map import Stance
 
 SIMULATORS = ("ours", "mujoco")
 CONTROLLERS = ("walker", "qp")
 """Kinds of controller of the package: one that sees sensor readings only, and one that is told state and events."""
-
-
-@dataclass(frozen=True)
-class Range:
-    """A number drawn for every trial, uniform from ``low`` to ``high``.
-
-    Attributes:
-        low: smallest value.
-        high: largest value.
-    """
-
-    low: float
-    high: float
-
-    def __str__(self) -> str:
-        return f"{self.low:g}..{self.high:g}"
-
-
-Value = float | Range
-"""A number, or a range to draw it from."""
 
 
 @dataclass(frozen=True)
@@ -200,8 +179,3 @@ class Scenario:
             values += [push.moment.time, push.impulse, push.duration]
         drawn = any(isinstance(value, Range) for value in values) or any(self.model.within.values())
         return drawn or any(self.disturbances.get(key) for key in noises)
-
-
-def draw(value: Value, generator: np.random.Generator) -> float:
-    """The number itself, or one drawn from its range."""
-    return float(generator.uniform(value.low, value.high)) if isinstance(value, Range) else value

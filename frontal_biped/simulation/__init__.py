@@ -1,11 +1,14 @@
-"""Simulation of the full model in closed loop."""
+"""Simulation of the full model in closed loop, and what a run is."""
 
 from frontal_biped.simulation.disturbances import Disturbances
+from frontal_biped.simulation.event_driven import simulate_walk
 from frontal_biped.simulation.hybrid_system import EventKind
+from frontal_biped.simulation.orbit import orbit_trajectory
 from frontal_biped.simulation.pushes import Push
 from frontal_biped.simulation.settings import SimulationSettings
-from frontal_biped.simulation.simulate import simulate_walk
 from frontal_biped.simulation.trajectory import Trajectory, load_trajectory, save_trajectory
+from frontal_biped.simulation.walking import simulate
+from frontal_biped.simulation.world import world_configurations, world_motion
 
 __all__ = [
     "Disturbances",
@@ -14,6 +17,10 @@ __all__ = [
     "SimulationSettings",
     "Trajectory",
     "load_trajectory",
+    "orbit_trajectory",
     "save_trajectory",
+    "simulate",
     "simulate_walk",
+    "world_configurations",
+    "world_motion",
 ]

@@ -7,13 +7,14 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.interface import Controller
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.perturbation import Plant
 from frontal_biped.model.stance_map import Stance, relabel
 from frontal_biped.simulation.hybrid_system import EventKind, Guard
 from frontal_biped.simulation.pushes import PelvisForce, PushForces, along_h
 from frontal_biped.simulation.sensors import DelayLine, NoisyEncoders, Sensors
-from frontal_biped.simulation.settings import Controller, SimulationSettings
+from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.simulation.stance_motion import StanceMotion
 from frontal_biped.virtual_constraints.phase import StepPhase
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.frontal_chain import UPRIGHT
+from frontal_biped.model.chain import UPRIGHT
 from frontal_biped.model.impact import Impact, impact
 
 FLAT_LANDING = 0.02

@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.interface import Controller
 from frontal_biped.model.perturbation import Plant
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.flows import Segment
 from frontal_biped.simulation.hybrid_system import EventKind
 from frontal_biped.simulation.pushes import PelvisForce, PushForces, along_h
-from frontal_biped.simulation.settings import Controller
 from frontal_biped.simulation.trajectory import SAMPLED, Trajectory
 from frontal_biped.virtual_constraints.phase import StepPhase
 

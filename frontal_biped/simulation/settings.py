@@ -1,39 +1,10 @@
 """What a simulation is told: the controller it asks, and how it runs."""
 
 from dataclasses import dataclass, field
-from typing import Protocol
 
-from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.simulation.disturbances import Disturbances
 from frontal_biped.simulation.hybrid_system import FLAT_LANDING
-from frontal_biped.virtual_constraints.phase import StepPhase
-
-
-class Command(Protocol):
-    """What the simulator reads of a command."""
-
-    @property
-    def u(self) -> FloatArray:
-        """(4,) torques [N m]."""
-
-    @property
-    def y(self) -> FloatArray:
-        """(3,) output error q_b - h_d(beta) [rad]."""
-
-    @property
-    def p_fri_target(self) -> float:
-        """Wanted FRI [m]."""
-
-
-class Controller(Protocol):
-    """Anything that turns phase and state into a command."""
-
-    def begin(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> None:
-        """A phase begins at q (4,) [rad], dq (4,) [rad/s]: after an impact or at a reversal."""
-
-    def command(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> Command:
-        """Command at q (4,) [rad], dq (4,) [rad/s]."""
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import TrajectoryFileError
-from frontal_biped.files import atomic_path
+from frontal_biped.files.atomic import atomic_path
 
 FORMAT, VERSION = "frontal-biped-run", 1
 

@@ -85,7 +85,7 @@ def run_studio(robot: str, port: int = 0, open_browser: bool = True) -> None:
         port: 0: the first free one from 8080 on.
         open_browser: open a browser, where there is a display.
     """
-    from frontal_biped.visualisation.live import has_display
+    from frontal_biped.viewer.live import has_display
 
     with _ending() as ended, Studio(robot, port) as studio:
         sys.stdout.write(f"Studio at {studio.url} (Ctrl+C to quit)\n")

@@ -1,6 +1,6 @@
 """The scene of the exported page, taken from its MeshCat commands, for a viewer that does not speak MeshCat.
 
-The robot is drawn by `visualisation.scene` into a recorder; its commands become triangles, and its animation arrays
+The robot is drawn by `viewer.scene` into a recorder; its commands become triangles, and its animation arrays
 over time. So the studio shows what the page shows.
 """
 
@@ -12,14 +12,14 @@ import numpy as np
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.model import FrontalBiped
-from frontal_biped.model.frontal_chain import UPRIGHT
-from frontal_biped.model.geometry import IntArray
-from frontal_biped.simulation import Trajectory
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.chain import UPRIGHT
+from frontal_biped.model.urdf.shapes import IntArray
 from frontal_biped.simulation.pushes import Push
-from frontal_biped.visualisation.markers import COM, CONTACT, draw_markers
-from frontal_biped.visualisation.meshcat_page import recording
-from frontal_biped.visualisation.scene import FIRST, Actor, animate, draw_scene, frontal_camera
+from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.viewer.markers import COM, CONTACT, draw_markers
+from frontal_biped.viewer.page import recording
+from frontal_biped.viewer.scene import FIRST, Actor, animate, draw_scene, frontal_camera
 
 FPS = 30.0
 

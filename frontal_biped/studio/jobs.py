@@ -9,17 +9,21 @@ from functools import lru_cache
 
 import numpy as np
 
-from frontal_biped.analysis import analyze
-from frontal_biped.design import ConstraintReport, GaitSpecification, check_constraints, design_gait
-from frontal_biped.gait import Gait, load_gait
-from frontal_biped.model import FrontalBiped, load_robot
-from frontal_biped.model.catalogue import models_dir
-from frontal_biped.push_recovery import INSTANTS, PERIOD, PUSH_DURATION, RECOVERED
-from frontal_biped.simulation import Disturbances
+from frontal_biped.analysis.closed_form import analyze
+from frontal_biped.analysis.push_recovery import INSTANTS, PERIOD, PUSH_DURATION, RECOVERED
+from frontal_biped.design.optimise import design_gait
+from frontal_biped.gait.check import ConstraintReport, check_constraints
+from frontal_biped.gait.file import load_gait
+from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.specification import GaitSpecification
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.catalogue import load_robot, models_dir
+from frontal_biped.simulation.disturbances import Disturbances
+from frontal_biped.simulation.orbit import orbit_trajectory
 from frontal_biped.simulation.pushes import Push
+from frontal_biped.simulation.walking import simulate
 from frontal_biped.studio.drawing import Clip, Drawing, clip_of, drawing_of
-from frontal_biped.visualisation import animation_page, orbit_trajectory
-from frontal_biped.walking import simulate
+from frontal_biped.viewer.page import animation_page
 
 Tell = Callable[[str], None]
 

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from frontal_biped.design import GaitSpecification
-from frontal_biped.model import FrontalBiped
+from frontal_biped.gait.specification import GaitSpecification
+from frontal_biped.model.biped import FrontalBiped
 
 Value = float | tuple[float, float]
 """What a slider shows: one number, or the two ends of a range."""

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from frontal_biped.design import GaitSpecification
-from frontal_biped.model import robot_names
+from frontal_biped.gait.specification import GaitSpecification
+from frontal_biped.model.catalogue import robot_names
 from frontal_biped.studio.jobs import PUSH_MOMENTS
 from frontal_biped.studio.knobs import Knob
 from frontal_biped.studio.status import headline, margins, notice_text, push_text

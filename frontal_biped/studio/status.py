@@ -2,7 +2,7 @@
 
 import html
 
-from frontal_biped.design import ConstraintCheck, ConstraintReport
+from frontal_biped.gait.check import ConstraintCheck, ConstraintReport
 from frontal_biped.studio.workbench import State
 
 _GOOD, _BUSY, _BAD, _PLAIN = "#1a7f37", "#9a6700", "#c4231c", "#57606a"

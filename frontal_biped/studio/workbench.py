@@ -11,11 +11,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from frontal_biped.design import ConstraintReport, GaitSpecification, default_specification
 from frontal_biped.exceptions import FrontalBipedError
-from frontal_biped.files import write_text
-from frontal_biped.gait import Gait, save_gait
-from frontal_biped.model import FrontalBiped
+from frontal_biped.files.atomic import write_text
+from frontal_biped.gait.check import ConstraintReport
+from frontal_biped.gait.file import save_gait
+from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.specification import GaitSpecification, default_specification
+from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.studio import jobs
 from frontal_biped.studio.drawing import Clip, Drawing
 from frontal_biped.studio.knobs import Knob, Value, knobs_for

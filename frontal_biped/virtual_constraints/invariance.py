@@ -15,7 +15,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import UnreachablePoseError
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.frontal_chain import UPRIGHT
+from frontal_biped.model.chain import UPRIGHT
 from frontal_biped.model.impact import impact
 from frontal_biped.model.stance_map import relabel
 from frontal_biped.virtual_constraints.phase import Phase

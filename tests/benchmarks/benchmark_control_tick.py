@@ -22,10 +22,10 @@ from proxsuite import proxqp
 
 import frontal_biped as fb
 from frontal_biped.control import ControllerSettings, QpController, Source
-from frontal_biped.control.torque_program import PENALTY_PARAMETER
-from frontal_biped.gait import Gait
+from frontal_biped.control.torques.torque_program import PENALTY_PARAMETER
+from frontal_biped.gait.gait import Gait
 from frontal_biped.model import FrontalBiped, Stance
-from frontal_biped.quadratic_program import ProxQpSolver
+from frontal_biped.numerics.quadratic_program import ProxQpSolver
 from frontal_biped.virtual_constraints import StepPhase
 
 PERIOD = 1e-3  # [s]

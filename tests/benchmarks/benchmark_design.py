@@ -40,9 +40,9 @@ from solvers import (
 
 import frontal_biped as fb
 from frontal_biped.design.optimise import OPTIMISER_NODES, DesignResult
-from frontal_biped.files import require_parent, write_json
+from frontal_biped.files.atomic import require_parent, write_json
+from frontal_biped.files.provenance import software_versions
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.provenance import software_versions
 
 SPECIFICATIONS = {
     "reference": fb.GaitSpecification(),

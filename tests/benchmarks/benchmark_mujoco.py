@@ -13,13 +13,14 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 
 from frontal_biped import load_gait, load_robot
-from frontal_biped.cross_check import cross_check
-from frontal_biped.design import design_gait, load_specification
-from frontal_biped.gait import Gait
+from frontal_biped.analysis.cross_check import cross_check
+from frontal_biped.design import design_gait
+from frontal_biped.gait import load_specification
+from frontal_biped.gait.gait import Gait
 from frontal_biped.model import FrontalBiped
 from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.simulation import Disturbances, Push, Trajectory
-from frontal_biped.walking import walk
+from frontal_biped.simulation.walking import walk
 
 ENGINES = ("mujoco", "ours")
 INSTANTS = (("just after the impact", 0.02), ("half-way up", 0.5), ("at the reversal", 1.0), ("half-way down", 1.5))

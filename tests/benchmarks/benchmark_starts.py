@@ -31,13 +31,13 @@ import frontal_biped as fb
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.optimise import OPTIMISER_NODES, SAFETY
 from frontal_biped.design.problem import DesignProblem
-from frontal_biped.design.report import check_constraints
 from frontal_biped.design.trust_region_sqp import SqpSettings, minimise
 from frontal_biped.exceptions import FrontalBipedError, UnreachablePoseError
-from frontal_biped.files import require_parent, write_json
+from frontal_biped.files.atomic import require_parent, write_json
+from frontal_biped.gait.check import check_constraints
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.poincare import step_orbit
 from frontal_biped.virtual_constraints import complete
+from frontal_biped.zero_dynamics.poincare import step_orbit
 
 SPECIFICATIONS = {
     "reference": fb.GaitSpecification(),

@@ -85,7 +85,7 @@ def lateness(begin, running):
 
 def in_a_thread(robot):
     """The same clock beside a design in a thread."""
-    from frontal_biped.design import GaitSpecification
+    from frontal_biped.gait import GaitSpecification
     from frontal_biped.model import load_robot
 
     thread = threading.Thread(target=lambda: design_gait(load_robot(robot), GaitSpecification(max_pelvis_roll=0.1)))

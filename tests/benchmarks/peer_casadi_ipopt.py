@@ -22,13 +22,13 @@ import numpy as np
 import frontal_biped as fb
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.problem import DesignProblem
-from frontal_biped.design.report import check_constraints
+from frontal_biped.gait.check import check_constraints
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.frontal_chain import GRAVITY, UPRIGHT, FrontalChain
-from frontal_biped.poincare import step_orbit
+from frontal_biped.model.chain import GRAVITY, UPRIGHT, FrontalChain
 from frontal_biped.virtual_constraints import complete
 from frontal_biped.virtual_constraints.invariance import FreeParameters, invariance_residuals
 from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.zero_dynamics.poincare import step_orbit
 
 NODES = 21
 CHECK_NODES = 40

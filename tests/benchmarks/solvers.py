@@ -16,17 +16,17 @@ from scipy.optimize import BFGS, Bounds, NonlinearConstraint, minimize
 from scipy.sparse import csr_array
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.constraints import STEP_WIDTH, SoleHeights, step_constraints
 from frontal_biped.design.optimise import OPTIMISER_NODES
 from frontal_biped.design.problem import FLOOR_Z, DesignProblem, Evaluation
-from frontal_biped.design.specification import GaitSpecification
 from frontal_biped.design.trust_region_sqp import SqpSettings
 from frontal_biped.design.trust_region_sqp import minimise as trust_region_sqp
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
+from frontal_biped.gait.constraints import STEP_WIDTH, SoleHeights, step_constraints
+from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.poincare import step_orbit
 from frontal_biped.virtual_constraints import complete
-from frontal_biped.zero_dynamics import PhaseOrbit
+from frontal_biped.zero_dynamics.orbit import PhaseOrbit
+from frontal_biped.zero_dynamics.poincare import step_orbit
 
 UNIT = 3.0  # scaled unit, in the package's scales: 0.3 rad of a joint
 COST_SCALE = 1e-2

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from frontal_biped.cli import main
-from frontal_biped.gait import load_gait, save_gait
+from frontal_biped.gait.file import load_gait, save_gait
 from frontal_biped.model import models_dir
 
 COMMANDS = ("demo", "design", "library", "analyze", "simulate", "view", "export", "plot", "robots")

@@ -6,7 +6,7 @@ from functools import cache
 import pytest
 
 from frontal_biped.control import QpController
-from frontal_biped.gait import load_gait
+from frontal_biped.gait.file import load_gait
 from frontal_biped.model import load_robot
 
 

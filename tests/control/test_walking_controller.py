@@ -8,11 +8,11 @@ from random_states import assert_close, vectors
 
 from frontal_biped.control import ControllerSettings, QpController
 from frontal_biped.design.problem import DesignProblem
-from frontal_biped.design.specification import GaitSpecification
-from frontal_biped.gait import Gait, OrbitNumbers, RobotReference
+from frontal_biped.gait.gait import Gait, OrbitNumbers, RobotReference
+from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model import load_robot
 from frontal_biped.virtual_constraints import StepPhase, complete
-from frontal_biped.zero_dynamics import phase_orbit
+from frontal_biped.zero_dynamics.orbit import phase_orbit
 
 CLOSED_FORM = 1e-8
 """Relative agreement of the program with the closed form, both to the solver's 1e-9."""

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from frontal_biped.design import GaitSpecification, follow_branch
+from frontal_biped.design import follow_branch
 from frontal_biped.design.continuation import attained, blend
+from frontal_biped.gait import GaitSpecification
 
 SAME_COST = 1e-4
 """Relative: both designs stop at a predicted decrease of 1e-5 N^2 m s, on valleys that are flat."""

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from frontal_biped.design import GaitSpecification, check_constraints, design_gait
+from frontal_biped.design import design_gait
 from frontal_biped.design.optimise import OPTIMISER_NODES
-from frontal_biped.design.report import DENSE_POINTS
 from frontal_biped.exceptions import SpecificationError, UnreachablePoseError
-from frontal_biped.poincare import step_orbit
-from frontal_biped.zero_dynamics import phase_orbit, resample
+from frontal_biped.gait import GaitSpecification, check_constraints
+from frontal_biped.gait.check import DENSE_POINTS
+from frontal_biped.zero_dynamics.orbit import phase_orbit, resample
+from frontal_biped.zero_dynamics.poincare import step_orbit
 
 REFERENCE_COST = 210.5
 """J of the default specification that the default start must reach [N^2 m s]; local minima nearby cost 215 and more."""
@@ -221,7 +222,7 @@ def test_equal_input_gives_equal_bytes(biped, reference_gait, tmp_path):
     import subprocess
     import sys
 
-    from frontal_biped.gait import save_gait
+    from frontal_biped.gait.file import save_gait
 
     save_gait(reference_gait, tmp_path / "here.json")
     code = (

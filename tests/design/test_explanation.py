@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from frontal_biped.design import GaitSpecification, design_gait
+from frontal_biped.design import design_gait
 from frontal_biped.design.explanation import Conflict, remedy
+from frontal_biped.gait import GaitSpecification
 
 ROUNDING = 1e-9
 

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from random_states import assert_close
 
-from frontal_biped.design import GaitSpecification
 from frontal_biped.design.derivatives import DifferentiableBiped
 from frontal_biped.design.forward_mode import Dual
 from frontal_biped.design.problem import DesignProblem
+from frontal_biped.gait import GaitSpecification
 from frontal_biped.model import impact
-from frontal_biped.poincare import HybridZeroDynamics, step_orbit
 from frontal_biped.virtual_constraints import complete, double_support_pose, invariance_residuals
+from frontal_biped.zero_dynamics.poincare import HybridZeroDynamics, step_orbit
 
 NODES = 16
 """Quadrature nodes of the optimiser."""

@@ -5,12 +5,13 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from frontal_biped.design import GaitSpecification, design_gait, pareto_front
-from frontal_biped.design.constraints import energy_margin, reversal_shift
+from frontal_biped.design import design_gait, pareto_front
+from frontal_biped.gait import GaitSpecification
+from frontal_biped.gait.constraints import energy_margin, reversal_shift
 from frontal_biped.simulation.settings import SimulationSettings
+from frontal_biped.simulation.walking import simulate
 from frontal_biped.virtual_constraints import ConstrainedMotion
-from frontal_biped.walking import simulate
-from frontal_biped.zero_dynamics import RestrictedDynamics, project_dynamics
+from frontal_biped.zero_dynamics.restricted import RestrictedDynamics, project_dynamics
 
 FIRST_ORDER = 0.01
 """Relative difference of a displacement by 1e-5 of speed from the first-order prediction: the next order is 1e-3."""

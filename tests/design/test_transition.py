@@ -6,13 +6,14 @@ from random_states import assert_close
 
 from frontal_biped.control.controller import QpController
 from frontal_biped.control.sequence import GaitSequence
-from frontal_biped.design import GaitSpecification, design_gait, design_transition
+from frontal_biped.design import design_gait, design_transition
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.design.transition import TransitionProblem
 from frontal_biped.exceptions import DesignFailedError, GaitFileError
+from frontal_biped.gait import GaitSpecification
 from frontal_biped.model import impact
+from frontal_biped.simulation.event_driven import simulate_walk
 from frontal_biped.simulation.settings import SimulationSettings
-from frontal_biped.simulation.simulate import simulate_walk
 
 JOINED = 1e-9
 """Pose, slope and relative speed at a switch."""

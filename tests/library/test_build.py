@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from frontal_biped.design import check_constraints
 from frontal_biped.exceptions import LibraryError, RobotError
-from frontal_biped.gait import load_gait
+from frontal_biped.gait import check_constraints
+from frontal_biped.gait.file import load_gait
 from frontal_biped.library import LibraryStore, build_library, dask_executor, worker_processes
 from frontal_biped.library.sweep import sweep_from_dict
 

@@ -5,15 +5,17 @@ import dataclasses
 import numpy as np
 import pytest
 
-from frontal_biped.analysis import analyze
+from frontal_biped.analysis.closed_form import analyze
+from frontal_biped.analysis.sensitivity import simulated_multiplier
 from frontal_biped.control import ControllerSettings
-from frontal_biped.design import default_specification, design_gait
-from frontal_biped.gait import load_gait
+from frontal_biped.design import design_gait
+from frontal_biped.gait import default_specification
+from frontal_biped.gait.file import load_gait
 from frontal_biped.model import FrontalBiped, load_robot, models_dir
-from frontal_biped.model.frontal_reduction import reduce_to_frontal_plane
-from frontal_biped.model.urdf import read_urdf
-from frontal_biped.walking import simulate, simulated_multiplier
-from frontal_biped.zero_dynamics import TORQUES
+from frontal_biped.model.urdf.read import read_urdf
+from frontal_biped.model.urdf.reduction import reduce_to_frontal_plane
+from frontal_biped.simulation.walking import simulate
+from frontal_biped.zero_dynamics.restricted import TORQUES
 
 HUMANOIDS = ("alexander", "g1", "human", "icub", "romeo", "simple_humanoid_classical", "talos_full")
 

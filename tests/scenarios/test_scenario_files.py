@@ -5,12 +5,13 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-import frontal_biped.scenarios.files as files
+import frontal_biped.scenarios.file as files
+from frontal_biped.files.table import Range
 from frontal_biped.model.perturbation import LINKS
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.scenarios import Expectations, load_scenario
 from frontal_biped.scenarios.preparation import conditions, prepare, trial_seed
-from frontal_biped.scenarios.scenario import Moment, Range
+from frontal_biped.scenarios.scenario import Moment
 from frontal_biped.simulation import Disturbances
 
 EVERYTHING = """

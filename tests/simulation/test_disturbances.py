@@ -8,7 +8,7 @@ from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation import Disturbances, Push, SimulationSettings
 from frontal_biped.simulation.pushes import PelvisForce, along_h
 from frontal_biped.simulation.sensors import NoisyEncoders, Sensors
-from frontal_biped.walking import simulate
+from frontal_biped.simulation.walking import simulate
 
 PERIOD = 1e-3
 

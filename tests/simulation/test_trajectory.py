@@ -8,7 +8,7 @@ import pytest
 from frontal_biped.exceptions import TrajectoryFileError
 from frontal_biped.simulation import SimulationSettings, load_trajectory, save_trajectory
 from frontal_biped.simulation.trajectory import SAMPLED
-from frontal_biped.walking import simulate
+from frontal_biped.simulation.walking import simulate
 
 
 @pytest.fixture(scope="module")

@@ -4,10 +4,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from frontal_biped.simulation import orbit_trajectory
 from frontal_biped.simulation.pushes import Push
+from frontal_biped.simulation.world import frame_times, resample, world_motion
 from frontal_biped.studio.drawing import FPS, PUSH, clip_of, drawing_of
-from frontal_biped.visualisation import orbit_trajectory
-from frontal_biped.visualisation.world import frame_times, resample, world_motion
 
 ROUNDING = 1e-12
 

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from frontal_biped.design import GaitSpecification, default_specification
-from frontal_biped.gait import load_gait
+from frontal_biped.gait import GaitSpecification, default_specification
+from frontal_biped.gait.file import load_gait
 from frontal_biped.model import load_robot
 from frontal_biped.studio import jobs
 from frontal_biped.studio.knobs import knobs_for

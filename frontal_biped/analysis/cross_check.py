@@ -1,0 +1,193 @@
+"""One walker, two engines: what MuJoCo and our own simulator make of the same gait, side by side."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.gait.gait import Gait
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.simulation.walking import walk
+from frontal_biped.zero_dynamics.orbit import resample
+
+
+@dataclass(frozen=True)
+class EngineReport:
+    """What one engine says of a walk; nan where nothing was measured.
+
+    Attributes:
+        engine: "mujoco" or "ours".
+        outcome: "completed", or how the robot fell.
+        steps: completed.
+        step_time: mean duration of a step [s].
+        step_time_spread: its standard deviation [s].
+        speed_error: dbeta half-way down, relative to the closed form, mean over the steps [-].
+        largest_speed_error: the largest of them, in absolute value [-].
+        output_error: largest |q_b - h_d| [rad].
+        foot_slip: largest motion of a stance foot after it has settled [m].
+        foot_rotation: largest rotation of a stance foot from flat after it has settled [rad].
+        double_support: mean time with both feet on the ground, per step [s].
+        work: of the joint torques taken without sign, mean per step [J].
+        cost: J of the walk, mean of the steps, their width taken as planned [N^2 m s].
+        torque: largest, as a share of its limit [-].
+        unsolved: ticks without torques that keep every limit.
+    """
+
+    engine: str
+    outcome: str
+    steps: int
+    step_time: float
+    step_time_spread: float
+    speed_error: float
+    largest_speed_error: float
+    output_error: float
+    foot_slip: float
+    foot_rotation: float
+    double_support: float
+    work: float
+    cost: float
+    torque: float
+    unsolved: int
+
+
+_ROWS: tuple[tuple[str, str, str, int], ...] = (
+    ("steps", "steps walked", "d", 1),
+    ("step_time", "step time, s", ".4f", 1),
+    ("step_time_spread", "  standard deviation, s", ".4f", 1),
+    ("speed_error", "speed half-way down off by, %", "+.2f", 100),
+    ("largest_speed_error", "  at most, %", ".2f", 100),
+    ("output_error", "largest output error, rad", ".1e", 1),
+    ("foot_slip", "largest slip of a foot, mm", ".3f", 1000),
+    ("foot_rotation", "largest rotation of a foot, rad", ".1e", 1),
+    ("double_support", "double support per step, ms", ".1f", 1000),
+    ("work", "work of the joints per step, J", ".2f", 1),
+    ("cost", "J, N^2 m s", ".1f", 1),
+    ("torque", "largest torque, of its limit", ".2f", 1),
+    ("unsolved", "unsolved control ticks", "d", 1),
+)
+
+
+@dataclass(frozen=True)
+class CrossCheck:
+    """The reports of the engines beside the closed form.
+
+    Attributes:
+        robot: name.
+        step_time: of the gait in closed form [s].
+        cost: J of the gait in closed form [N^2 m s].
+        reports: one for each engine.
+    """
+
+    robot: str
+    step_time: float
+    cost: float
+    reports: tuple[EngineReport, ...]
+
+    @property
+    def walked(self) -> bool:
+        """Did the robot fall in none of them?"""
+        return all(report.outcome == "completed" for report in self.reports)
+
+    @property
+    def step_time_difference(self) -> float:
+        """Step time of the first engine relative to that of the last, minus one [-]."""
+        return self.reports[0].step_time / self.reports[-1].step_time - 1.0
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return asdict(self)
+
+    def __str__(self) -> str:
+        known = {"step_time": self.step_time, "cost": self.cost}
+        lines = [f"{self.robot:32}" + "".join(f"{report.engine:>12}" for report in self.reports) + f"{'gait':>12}"]
+        for key, label, form, unit in _ROWS:
+            cells = [f"{unit * getattr(report, key):{form}}" for report in self.reports]
+            cells.append(f"{known[key]:{form}}" if key in known else "")
+            lines.append((f"{label:32}" + "".join(f"{cell:>12}" for cell in cells)).rstrip())
+        lines += [
+            f"{report.engine}: FELL after {report.steps} steps ({report.outcome})"
+            for report in self.reports
+            if report.outcome != "completed"
+        ]
+        return "\n".join(lines)
+
+
+def cross_check(
+    biped: FrontalBiped,
+    gait: Gait,
+    *,
+    engines: tuple[str, ...] = ("mujoco", "ours"),
+    on_step: Callable[[str, int], None] | None = None,
+    **options: Any,
+) -> tuple[CrossCheck, Mapping[str, Trajectory]]:
+    """Walk a gait under the same walker in each engine.
+
+    Args:
+        biped: the robot.
+        gait: the gait.
+        engines: in this order.
+        on_step: called with the engine and the number of completed steps.
+        options: of `walk`: steps, period, disturbances and so on, the same for each engine.
+
+    Returns:
+        The reports, and the runs they are of, by engine.
+
+    Raises:
+        MissingExtraError: MuJoCo is not installed.
+    """
+    runs = {}
+    for engine in engines:
+        told = None if on_step is None else (lambda done, engine=engine: on_step(engine, done))
+        runs[engine] = walk(biped, gait, engine=engine, on_step=told, **options)
+    reports = tuple(engine_report(biped, gait, engine, run) for engine, run in runs.items())
+    return CrossCheck(biped.name, gait.orbit.step_duration, gait.orbit.cost, reports), runs
+
+
+def engine_report(biped: FrontalBiped, gait: Gait, engine: str, run: Trajectory) -> EngineReport:
+    """What a run under a walker measures."""
+    measured = run.settings.get("measured", {})
+
+    def of(name: str, which: str) -> float:
+        return float(measured[name][which]) if name in measured else float("nan")
+
+    durations = np.diff(run.event_t[run.events("IMPACT")])
+    speeds = speed_errors(biped, gait, run)
+    some = len(speeds) > 0
+    return EngineReport(
+        engine=engine,
+        outcome=run.outcome,
+        steps=run.steps_completed,
+        step_time=float(durations.mean()) if len(durations) else float("nan"),
+        step_time_spread=float(durations.std()) if len(durations) else float("nan"),
+        speed_error=float(speeds.mean()) if some else float("nan"),
+        largest_speed_error=float(np.abs(speeds).max()) if some else float("nan"),
+        output_error=float(np.abs(run.output_error).max()),
+        foot_slip=of("slip", "largest"),
+        foot_rotation=of("rotation", "largest"),
+        double_support=of("double_support", "mean"),
+        work=of("work", "mean"),
+        cost=of("effort", "mean") / gait.step_width,
+        torque=float(np.max(np.abs(run.u) / biped.max_torque)),
+        unsolved=int(run.settings.get("controller", {}).get("unsolved", 0)),
+    )
+
+
+def speed_errors(biped: FrontalBiped, gait: Gait, run: Trajectory) -> FloatArray:
+    """(n,) dbeta half-way down each falling phase, relative to the closed form, minus one [-].
+
+    Half-way down, since a soft contact still rings after an impact; steps that do not get there are left out.
+    """
+    half_way = resample(biped, gait.falling, gait.step(biped).falling, np.array([0.5**0.5, 1.0]))
+    middle, planned = float(half_way.beta[0]), float(half_way.dbeta[0])
+    errors = []
+    for step in range(run.steps_completed):
+        chosen = (run.step == step) & (run.phase < 0.0)
+        if run.q[chosen, 0].min(initial=np.inf) < middle:
+            way = CubicHermiteSpline(run.t[chosen], run.q[chosen, 0], run.dq[chosen, 0])
+            passed = way.solve(middle, extrapolate=False)
+            errors.append(float(way(passed[-1], 1)) / planned - 1.0)
+    return np.array(errors)

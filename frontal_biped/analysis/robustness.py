@@ -1,0 +1,243 @@
+"""Robustness card of a gait: from which speeds it returns, what pushes it survives, and what limits it.
+
+Speeds from the restricted map in closed form, every contact constraint kept on the way; for the paper's fixed
+transitions, which leave Z at once, and for pushes from the full model at 1 kHz. The parts are independent of each
+other and can be computed in several processes; the card is the same.
+"""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, Future, as_completed
+from dataclasses import asdict, dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from frontal_biped.analysis.push_recovery import (
+    DIRECTIONS,
+    INSTANTS,
+    PERIOD,
+    PUSH_RESOLUTION,
+    RECORDING,
+    RECOVERED,
+    STEPS_TO_DECIDE,
+    PushOutcome,
+    largest_push,
+    speed_errors,
+)
+from frontal_biped.analysis.return_map import Basin, RestrictedMap
+from frontal_biped.control.stabilisers.by_name import STABILISERS, make_stabiliser
+from frontal_biped.control.stabilisers.transitions import AdaptiveTransitions
+from frontal_biped.gait.gait import Gait
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.simulation.walking import simulate
+from frontal_biped.zero_dynamics.half_steps import rising_energy
+
+SAMPLES = 13
+"""Speeds at which a map is sampled, over the interval that returns and a little more."""
+
+SPEED_RESOLUTION = 0.005
+
+
+class MapSummary(NamedTuple):
+    """What the closed form says of one stabiliser.
+
+    Attributes:
+        slope: derivative of the restricted map below and above the gait [-].
+        basin: interval of post-impact speeds that return.
+        samples: (speed, next speed), relative to the gait's; nan where there is no step or it breaks a limit.
+    """
+
+    slope: tuple[float, float]
+    basin: Basin
+    samples: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
+class RobustnessCard:
+    """How much a gait can take.
+
+    Attributes:
+        gait_multiplier: closed form, with exact transitions [-].
+        slopes: derivative of the restricted map below and above the gait, by stabiliser [-].
+        basins: interval of post-impact speeds that return, by stabiliser.
+        sensitivity_norm: by stabiliser, sqrt(sum over steps of (error_k / error_0)^2) of the linearised map: the gait
+            sensitivity norm with the post-impact speed as both disturbance and indicator [-].
+        barrier_margin: energy that may be added after the impact before the robot tips outwards, over its own [-].
+        sampled_maps: (speed, next speed) over the interval that returns, by stabiliser; nan where there is no step or
+            it breaks a limit.
+        push_stabiliser: with which the pushes were walked.
+        pushes: largest survived.
+    """
+
+    gait_multiplier: float
+    slopes: dict[str, tuple[float, float]]
+    basins: dict[str, Basin]
+    sensitivity_norm: dict[str, float]
+    barrier_margin: float
+    sampled_maps: dict[str, tuple[tuple[float, float], ...]]
+    push_stabiliser: str
+    pushes: tuple[PushOutcome, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON; what does not exist is null."""
+        table = asdict(self)
+        table["sampled_maps"] = {
+            name: [[speed, None if np.isnan(after) else after] for speed, after in pairs]
+            for name, pairs in self.sampled_maps.items()
+        }
+        table["sensitivity_norm"] = {
+            name: value if np.isfinite(value) else None for name, value in self.sensitivity_norm.items()
+        }
+        return table
+
+    def rows(self) -> list[tuple[str, str]]:
+        """(name, text) for a report."""
+        found = [
+            ("multiplier", f"{self.gait_multiplier:.4f}"),
+            ("energy margin to the barrier", f"{100.0 * self.barrier_margin:.1f} % of the post-impact energy"),
+        ]
+        for name, basin in self.basins.items():
+            found.append((f"speeds that return, {name}", str(basin)))
+            if name in self.slopes:
+                below, above = self.slopes[name]
+                norm = self.sensitivity_norm[name]
+                text = f"slope of the map {below:.3f} below, {above:.3f} above; sensitivity norm {norm:.2f}"
+                found.append((f"  at the gait, {name}", text))
+        for push in self.pushes:
+            steps = f"{push.steps_to_recover} step" + "s" * (push.steps_to_recover != 1)
+            text = f"{push.impulse:.1f} N s, recovered in {steps} (more: {push.limited_by})"
+            found.append((f"push {push.direction}, {push.instant}", text))
+        return found
+
+    def __str__(self) -> str:
+        return "\n".join(f"{name:44} {text}" for name, text in self.rows())
+
+
+def robustness_card(
+    biped: FrontalBiped,
+    gait: Gait,
+    *,
+    stabilisers: Sequence[str] = tuple(STABILISERS),
+    push_stabiliser: str = "ankle",
+    instants: Sequence[tuple[str, float]] = INSTANTS,
+    push_resolution: float = PUSH_RESOLUTION,
+    samples: int = SAMPLES,
+    executor: Executor | None = None,
+    on_progress: Callable[[str], None] | None = None,
+) -> RobustnessCard:
+    """Measure the robustness of a gait.
+
+    Args:
+        biped: the robot.
+        gait: the gait.
+        stabilisers: names of `STABILISERS` whose basins to find.
+        push_stabiliser: with which to take pushes.
+        instants: name and place in the step of each push; none: no pushes.
+        push_resolution: of the largest pushes [N s].
+        samples: number of speeds at which each map is sampled.
+        executor: runs the parts; default: this process, one after the other.
+        on_progress: called with what is being done.
+
+    Raises:
+        SimulationError: a stabiliser is unknown.
+    """
+    for name in (*stabilisers, push_stabiliser):
+        make_stabiliser(name, biped, gait)
+    parts: dict[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {}
+    for name in stabilisers:
+        parts[f"speeds that return, {name}"] = (
+            (fixed_basin, (biped, gait)) if name == "fixed" else (summarise_map, (biped, gait, name, samples))
+        )
+    for instant, place in instants:
+        for direction in DIRECTIONS:
+            case = (biped, gait, push_stabiliser, instant, place, direction, push_resolution)
+            parts[f"largest push {direction}, {instant}"] = (largest_push, case)
+    results = _compute(parts, executor, on_progress or (lambda _: None))
+    basins: dict[str, Basin] = {}
+    maps: dict[str, MapSummary] = {}
+    for name in stabilisers:
+        found = results[f"speeds that return, {name}"]
+        if isinstance(found, MapSummary):
+            maps[name] = found
+        basins[name] = found.basin if isinstance(found, MapSummary) else found
+    energy = rising_energy(biped, AdaptiveTransitions(biped, gait).planned_rising)
+    own = 0.5 * (energy.start_inertia * gait.orbit.beta_dot_after_impact) ** 2
+    return RobustnessCard(
+        gait_multiplier=gait.orbit.multiplier,
+        slopes={name: found.slope for name, found in maps.items()},
+        basins=basins,
+        sensitivity_norm={name: _norm(max(map(abs, found.slope))) for name, found in maps.items()},
+        barrier_margin=energy.highest / own - 1.0,
+        sampled_maps={name: found.samples for name, found in maps.items()},
+        push_stabiliser=push_stabiliser,
+        pushes=tuple(found for found in results.values() if isinstance(found, PushOutcome)),
+    )
+
+
+def _compute(
+    parts: dict[str, tuple[Callable[..., Any], tuple[Any, ...]]], executor: Executor | None, say: Callable[[str], None]
+) -> dict[str, Any]:
+    """The result of each part, in the order of the parts."""
+    if executor is None:
+        results = {}
+        for k, (name, (function, arguments)) in enumerate(parts.items()):
+            say(f"{k}/{len(parts)} done; {name}")
+            results[name] = function(*arguments)
+        return results
+    # the closed forms take longest and come first, so that no process is left with one of them at the end
+    futures: dict[Future[Any], str] = {executor.submit(f, *a): name for name, (f, a) in parts.items()}
+    say(f"0/{len(parts)} parts of the robustness card done")
+    for k, future in enumerate(as_completed(futures)):
+        future.result()  # an error is raised at once
+        say(f"{k + 1}/{len(parts)} done; last {futures[future]}")
+    return {name: future.result() for future, name in futures.items()}
+
+
+def summarise_map(biped: FrontalBiped, gait: Gait, stabiliser: str, samples: int = SAMPLES) -> MapSummary:
+    """Slope, basin and samples of the restricted map under a stabiliser, by name."""
+    restricted = RestrictedMap(biped, gait, make_stabiliser(stabiliser, biped, gait))
+    basin = restricted.basin()
+    beyond = 0.1 * (basin.high - basin.low)
+    speeds = np.linspace(max(basin.low - beyond, 0.02), basin.high + beyond, samples)
+    following = restricted.sample(speeds)
+    pairs = tuple((float(a), float(b)) for a, b in zip(speeds, following, strict=True))
+    return MapSummary(restricted.slope(), basin, pairs)
+
+
+def _norm(slope: float) -> float:
+    return float(1.0 / np.sqrt(1.0 - slope**2)) if slope < 1.0 else float("inf")
+
+
+def fixed_basin(biped: FrontalBiped, gait: Gait) -> Basin:
+    """Speeds from which the paper's fixed transitions return, by simulation at 1 kHz."""
+
+    def obstacle(error: float) -> str:
+        steps = STEPS_TO_DECIDE[-1]
+        run = simulate(
+            biped,
+            gait,
+            steps=steps,
+            period=PERIOD,
+            speed_error=error,
+            stabiliser="fixed",
+            simulation_settings=RECORDING,
+        )
+        if run.fell:
+            return run.outcome
+        return "" if speed_errors(run, gait)[-1] <= RECOVERED else f"not back within {steps} steps"
+
+    ends = []
+    for sense in (-1.0, 1.0):
+        good, why = 0.0, "nothing up to the end of the search"
+        for size in (0.02, 0.05, 0.1, 0.2, 0.4):
+            found = obstacle(sense * size)
+            if found:
+                bad, why = size, found
+                while bad - good > SPEED_RESOLUTION:
+                    middle = 0.5 * (good + bad)
+                    found = obstacle(sense * middle)
+                    good, bad, why = (good, middle, found) if found else (middle, bad, why)
+                break
+            good = size
+        ends.append((1.0 + sense * good, why))
+    return Basin(ends[0][0], ends[1][0], ends[0][1], ends[1][1])

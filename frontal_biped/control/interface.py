@@ -1,0 +1,103 @@
+"""What a controller and what drives it exchange: readings and commands, phases and states."""
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.model.stance_map import Stance
+from frontal_biped.virtual_constraints.phase import StepPhase
+
+
+class PhaseEvent(Enum):
+    """What the phase machine has noticed."""
+
+    REVERSAL = "reversal"
+    TURNED_OUTWARDS = "turned outwards again"
+    LANDING = "landing"
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What a real robot can measure at one tick.
+
+    Attributes:
+        time: [s].
+        joint_positions: (4,) URDF joint angles in the order of `StanceMap.joint_names` [rad].
+        joint_velocities: (4,) their rates [rad/s]; None: the walker estimates them.
+        base_roll: rotation of the pelvis about +X, 0 upright [rad].
+        base_roll_rate: [rad/s].
+        contact: does the left, the right foot touch the ground?
+    """
+
+    time: float
+    joint_positions: FloatArray
+    joint_velocities: FloatArray | None
+    base_roll: float
+    base_roll_rate: float
+    contact: tuple[bool, bool]
+
+
+@dataclass(frozen=True)
+class WalkerCommand:
+    """Answer to one reading.
+
+    Attributes:
+        joint_torques: (4,) URDF order [N m].
+        phase: rising or falling.
+        stance: the foot the walker takes for the stance foot.
+        u: (4,) the same torques in stance coordinates [N m].
+        q: (4,) state the command is for, as estimated [rad].
+        dq: (4,) [rad/s].
+        y: (3,) output error there [rad].
+        p_fri_target: wanted FRI [m].
+        solved: did the quadratic program reach its accuracy?
+        event: what the walker noticed in this reading, if anything.
+    """
+
+    joint_torques: FloatArray
+    phase: StepPhase
+    stance: Stance
+    u: FloatArray
+    q: FloatArray
+    dq: FloatArray
+    y: FloatArray
+    p_fri_target: float
+    solved: bool
+    event: PhaseEvent | None
+
+
+class Tickable(Protocol):
+    """Anything that answers readings as `Walker` does."""
+
+    def reset(self, stance: Stance, q: FloatArray, dq: FloatArray) -> None:
+        """Start right after an impact at q (4,) [rad], dq (4,) [rad/s]."""
+
+    def tick(self, reading: Reading) -> WalkerCommand:
+        """Torques for a reading."""
+
+
+class Command(Protocol):
+    """What the simulator reads of a command."""
+
+    @property
+    def u(self) -> FloatArray:
+        """(4,) torques [N m]."""
+
+    @property
+    def y(self) -> FloatArray:
+        """(3,) output error q_b - h_d(beta) [rad]."""
+
+    @property
+    def p_fri_target(self) -> float:
+        """Wanted FRI [m]."""
+
+
+class Controller(Protocol):
+    """Anything that turns phase and state into a command."""
+
+    def begin(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> None:
+        """A phase begins at q (4,) [rad], dq (4,) [rad/s]: after an impact or at a reversal."""
+
+    def command(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> Command:
+        """Command at q (4,) [rad], dq (4,) [rad/s]."""

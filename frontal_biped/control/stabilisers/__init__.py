@@ -1,0 +1,1 @@
+"""Stabilisers: which virtual constraints the next phase follows, given how it begins."""

@@ -1,0 +1,32 @@
+"""Every stabiliser by name."""
+
+from collections.abc import Callable
+
+from frontal_biped.control.stabilisers.ankle_law import AnkleLaw
+from frontal_biped.control.stabilisers.look_ahead import LookAheadTransitions
+from frontal_biped.control.stabilisers.step_law import StepLaw, StepRule
+from frontal_biped.control.stabilisers.transitions import FixedTransitions, Stabiliser
+from frontal_biped.exceptions import SimulationError
+from frontal_biped.gait.gait import Gait
+from frontal_biped.model.biped import FrontalBiped
+
+STABILISERS: dict[str, Callable[[FrontalBiped, Gait], Stabiliser]] = {
+    "fixed": lambda biped, gait: FixedTransitions(gait),
+    "adaptive": LookAheadTransitions,
+    "ankle": AnkleLaw,
+    "step": StepLaw,
+    "step-lqr": lambda biped, gait: StepLaw(biped, gait, rule=StepRule.LQR),
+    "ankle+step": lambda biped, gait: StepLaw(biped, gait, ankle=AnkleLaw(biped, gait)),
+}
+"""The paper's transitions, reversal-adaptive ones alone, and each law on top of those."""
+
+
+def make_stabiliser(name: str, biped: FrontalBiped, gait: Gait) -> Stabiliser:
+    """A stabiliser by name.
+
+    Raises:
+        SimulationError: the name is unknown.
+    """
+    if name not in STABILISERS:
+        raise SimulationError(f"no stabiliser {name!r}; known: {', '.join(STABILISERS)}")
+    return STABILISERS[name](biped, gait)

@@ -1,0 +1,230 @@
+r"""Re-anchoring that looks ahead: of the ways to re-anchor a phase, the one whose step the contact can carry.
+
+`AdaptiveTransitions` re-anchors to any state, but far from the gait what it asks for overloads the robot: the joints
+brake within 0.1 rad where a reversal is late, I_P nearly vanishes where an early falling phase must rejoin its path.
+The same end poses can be reached more gently:
+
+- *the rising phase is stretched*, so that its last pose is reached later in beta. A fast robot, which reverses late,
+  then has less to brake; the least stretch that keeps the limits is taken, for without any the map is the paper's
+  affine rho. A slow robot reverses before the end of its phase; stretching makes it reverse later, in an earlier pose,
+  and gains it the speed that rho promises.
+- *the falling phase is rescaled* to the actual reversal as a whole, its inner columns moved along with its start,
+  where rejoining its planned path would take I_P away.
+
+Which of them is taken is decided by the closed form of the step to come: every contact margin, and the next
+post-impact speed beside the one of rho. No ankle torque is spent on the energy error, and the landing is always as
+planned: this is re-anchoring alone.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from frontal_biped.control.stabilisers.transitions import AS_PLANNED, AdaptiveTransitions
+from frontal_biped.exceptions import ReversalError
+from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.margins import ContactMargins, Margin
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.virtual_constraints.anchoring import ContinuedPhase, anchored_falling, rescaled_falling, stretched
+from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.zero_dynamics.energy import PhaseEnergy, phase_energy
+from frontal_biped.zero_dynamics.half_steps import Landed, falling_energy, land_on_constraints, rising_energy
+
+STRETCHES = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0)
+"""Stretches tried, relative to the range of the rising phase."""
+
+HALVINGS = 3
+"""Bisections between two stretches."""
+
+RESERVE = 0.05
+"""Margin kept of every limit, or half of the gait's own where that is less [-]."""
+
+NEAR = 0.003
+"""Relative speed error up to which a landing is re-anchored without looking ahead; 1 kHz control leaves this much."""
+
+CLOSE = 0.05
+"""Error of the next speed, relative to this one's, that needs no better phase."""
+
+REJOINING = 0.03
+"""Relative speed error beyond which an early falling phase does not try to rejoin its planned path."""
+
+SOLE_RESERVE = 0.006
+"""Distance from the end of the sole at which the FRI target of a stretched phase's continuation stops [m]."""
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """What a phase leads to.
+
+    Attributes:
+        room: least margin beyond the reserve, over the phases that are known [-].
+        miss: next post-impact speed minus that of rho, relative to the gait's [-].
+    """
+
+    room: float
+    miss: float
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """Larger is better: limits first, then the speed."""
+        return min(self.room, 0.0), -abs(self.miss)
+
+    @property
+    def enough(self) -> bool:
+        """Within the limits, and at least as fast as rho."""
+        return self.room >= 0.0 and self.miss >= 0.0
+
+
+NOWHERE = Outlook(-np.inf, -np.inf)
+
+
+@dataclass(frozen=True)
+class LookAheadTransitions:
+    """Reversal-adaptive transitions within the limits of the contact.
+
+    Attributes:
+        biped: the robot.
+        gait: the gait.
+    """
+
+    biped: FrontalBiped
+    gait: Gait
+
+    name = "adaptive"
+
+    @cached_property
+    def plain(self) -> AdaptiveTransitions:
+        """Re-anchoring as it comes."""
+        return AdaptiveTransitions(self.biped, self.gait, anticipate=False)
+
+    # ------------------------------------------------------------------ what a stabiliser answers
+    def rising(self, landed: Landed) -> Phase:
+        """The rising phase anchored to the state after the impact, stretched as far as the step to come asks for."""
+        phase = self.plain.rising(landed)
+        ratio = landed.dbeta / self.gait.orbit.beta_dot_after_impact
+        if abs(ratio - 1.0) < NEAR or landed.dbeta <= 0.0:
+            return phase
+        plain = self._rising_outlook(phase, landed.dbeta)
+        if plain.room >= 0.0 and abs(plain.miss) <= CLOSE * abs(ratio - 1.0):
+            return phase
+        return self._stretched(phase, landed.dbeta, plain)
+
+    def falling(self, rising: Phase, reversal: float) -> Phase:
+        """The falling phase from the actual reversal."""
+        return self._falling(rising, reversal, self._speed(rising, reversal))[0]
+
+    # ------------------------------------------------------------------ rising
+    def _stretched(self, phase: ContinuedPhase, dbeta: float, plain: Outlook) -> ContinuedPhase:
+        """Of the stretches, the least that keeps the limits and brings the speed of rho, or the best there is."""
+
+        def tried(stretch: float) -> tuple[float, Outlook]:
+            return stretch, self._rising_outlook(self._longer(phase, stretch), dbeta)
+
+        fast = dbeta > self.gait.orbit.beta_dot_after_impact
+        found = [(0.0, plain)]
+        for stretch in STRETCHES[1:]:
+            found.append(tried(stretch))
+            if found[-1][1].enough:
+                break  # the next speed grows with the stretch
+        best = max(range(len(found)), key=lambda i: found[i][1].rank)
+        # it would be just enough somewhere between two of these
+        pair = found[best - 1 : best + 1] if found[best][1].miss >= 0.0 else found[best : best + 2]
+        if len(pair) == 2 and found[best][1].room >= 0.0:
+            low, high = pair[0][0], pair[1][0]
+            for _ in range(HALVINGS):
+                found.append(tried(0.5 * (low + high)))
+                middle, outlook = found[-1]
+                # too long a stretch overloads a slow robot, too short a one a fast robot
+                too_long = outlook.enough or (outlook.room < 0.0 and not fast)
+                low, high = (low, middle) if too_long else (middle, high)
+        return self._longer(phase, max(found, key=lambda item: item[1].rank)[0])
+
+    def _longer(self, phase: ContinuedPhase, stretch: float) -> ContinuedPhase:
+        """The phase with its end moved outwards; past it the FRI target may use the sole up to `SOLE_RESERVE`."""
+        if stretch == 0.0:
+            return phase
+        longer = stretched(phase, phase.beta_end + stretch * abs(self.gait.rising.range))
+        at = longer.motion(np.array([longer.beta_end]))
+        slope, p_fri, (outer, inner) = float(at.dp_fri[0]), float(at.p_fri[0]), self.biped.sole
+        room = (inner - p_fri if slope > 0.0 else p_fri - outer) - SOLE_RESERVE
+        return replace(longer, fri_taper=max(room, 1e-4) / max(abs(slope), 1e-9))
+
+    def _rising_outlook(self, phase: ContinuedPhase, dbeta: float) -> Outlook:
+        try:
+            energy = rising_energy(self.biped, phase, dbeta)
+            reversal = energy.reversal(dbeta)
+        except ReversalError:
+            return NOWHERE
+        room = self._room(self.limits.rising(energy, dbeta, reversal))
+        if room < 0.0:  # no falling phase can mend that
+            return Outlook(room, -np.inf)
+        outlook = self._falling(phase, reversal, dbeta)[1]
+        return Outlook(min(room, outlook.room), outlook.miss)
+
+    # ------------------------------------------------------------------ falling
+    def _falling(self, rising: Phase, reversal: float, dbeta: float) -> tuple[Phase, Outlook]:
+        """The first falling phase that keeps the limits with about the speed of rho, or the best there is."""
+        best: tuple[Phase, Outlook] | None = None
+        error = abs(dbeta / self.gait.orbit.beta_dot_after_impact - 1.0)
+        if error < NEAR:
+            return self.plain.falling(rising, reversal), NOWHERE
+        for phase in self._candidates(rising, reversal, error):
+            outlook = self._falling_outlook(phase, reversal, dbeta)
+            if outlook.room >= 0.0 and abs(outlook.miss) <= CLOSE * error:
+                return phase, outlook
+            if best is None or outlook.rank > best[1].rank:
+                best = (phase, outlook)
+        assert best is not None
+        return best
+
+    def _candidates(self, rising: Phase, reversal: float, error: float) -> Iterator[Phase]:
+        planned = self.gait.falling
+        late = reversal >= rising.beta_end
+        if late or error < REJOINING:
+            yield self.plain.falling(rising, reversal)
+        if late and abs(rising.beta_end - planned.beta_start) > AS_PLANNED:
+            yield anchored_falling(rescaled_falling(planned, rising, rising.beta_end), rising, reversal)
+        yield rescaled_falling(planned, rising, reversal)
+
+    def _falling_outlook(self, phase: Phase, reversal: float, dbeta: float) -> Outlook:
+        try:
+            energy = falling_energy(self.biped, phase, reversal)
+            landed = land_on_constraints(self.biped, energy)[2]
+            room = self._room(self.limits.falling(energy, reversal))
+        except ReversalError:
+            return NOWHERE
+        speed = self.gait.orbit.beta_dot_after_impact
+        wanted = 1.0 + self.gait.orbit.multiplier * ((dbeta / speed) ** 2 - 1.0)
+        return Outlook(room, landed.dbeta / speed - float(np.sqrt(max(wanted, 0.0))))
+
+    def _speed(self, rising: Phase, reversal: float) -> float:
+        """The speed after the landing with which the rising phase reverses there [rad/s]; the gait's if none does."""
+        try:
+            energy = phase_energy(self.biped, rising, rising.beta_start, reversal, getattr(rising, "breaks", ()))
+            return energy.speed(reversal)
+        except ReversalError:
+            return self.gait.orbit.beta_dot_after_impact
+
+    # ------------------------------------------------------------------ limits
+    @cached_property
+    def limits(self) -> ContactMargins:
+        """Those of the gait's specification."""
+        return ContactMargins(self.biped, self.gait)
+
+    @cached_property
+    def _required(self) -> dict[str, float]:
+        """By limit, the margin to keep: the reserve, or half of what the gait itself keeps."""
+        gait = self.gait
+        energy: PhaseEnergy = rising_energy(self.biped, self.plain.planned_rising)
+        own = [
+            *self.limits.rising(energy, gait.orbit.beta_dot_after_impact, gait.beta_reversal),
+            *self.limits.falling(falling_energy(self.biped, gait.falling, gait.beta_reversal), gait.beta_reversal),
+        ]
+        return {margin.name: min(RESERVE, 0.5 * margin.value) for margin in own}
+
+    def _room(self, margins: list[Margin]) -> float:
+        """Least margin beyond what is to be kept [-]."""
+        room = min(margin.value - self._required[margin.name] for margin in margins)
+        return room if np.isfinite(room) else -np.inf

@@ -1,0 +1,224 @@
+r"""Step-to-step law: the distance between the feet, and with it the final pose, chosen anew at each reversal.
+
+The final poses are those with both feet flat from which the next step starts at the gait's beta_r+, so that its rising
+phase keeps its range: one for each width. A wider step falls further in beta and gains energy.
+
+- *dead-beat*: the width for which the next step, whose rising phase is anchored to that landing, reverses exactly where
+  it was planned to. From there the step is the gait's, so the error is gone after one step if the width is allowed.
+- *LQR*: the map from reversal to next reversal linearised at the gait, x+ = a x + b u with x the reversal's error and u
+  the width's; u = -K x minimises sum x^2 + (r u)^2, the scalar Riccati equation solved in closed form.
+"""
+
+from dataclasses import dataclass, field
+from enum import Enum
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from scipy.optimize import brentq
+
+from frontal_biped.control.stabilisers.ankle_law import AnkleLaw
+from frontal_biped.control.stabilisers.transitions import AdaptiveTransitions
+from frontal_biped.exceptions import ReversalError, UnreachablePoseError
+from frontal_biped.gait.gait import Gait
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.virtual_constraints.anchoring import shifted_fri, unshifted
+from frontal_biped.virtual_constraints.invariance import double_support_pose
+from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.zero_dynamics.energy import PhaseEnergy, phase_energy
+from frontal_biped.zero_dynamics.half_steps import (
+    Landed,
+    falling_energy,
+    land_on_constraints,
+    rising_energy,
+    surplus_at_end,
+)
+
+NARROWEST, WIDEST = 0.6, 1.5
+"""Widths the law may choose, relative to the gait's [-]."""
+
+OFFSETS = (0.01, 0.02, 0.04, 0.08, 0.15, 0.25, 0.4, 0.6)
+"""Changes of width tried to bracket the dead-beat one, relative to the gait's width."""
+
+WIDTH_ACCURACY = 1e-10
+"""[m]"""
+
+
+class StepRule(Enum):
+    """How the width is chosen."""
+
+    DEAD_BEAT = "dead-beat"
+    LQR = "lqr"
+
+
+@dataclass(frozen=True)
+class StepLaw:
+    """Chooses the width of each step at its reversal.
+
+    Attributes:
+        biped: the robot.
+        gait: the gait.
+        rule: dead-beat or LQR.
+        ankle: shifts the FRI as well: in the rising phase first, in the falling phase where the width is at its limit.
+        narrowest: smallest width [m].
+        widest: largest width [m].
+        effort: r of the LQR, cost of 1 m of width over that of 1 rad of reversal [rad/m].
+    """
+
+    biped: FrontalBiped
+    gait: Gait
+    rule: StepRule = field(kw_only=True, default=StepRule.DEAD_BEAT)
+    ankle: AnkleLaw | None = field(kw_only=True, default=None)
+    narrowest: float = field(kw_only=True, default=0.0)
+    widest: float = field(kw_only=True, default=0.0)
+    effort: float = field(kw_only=True, default=0.05)
+
+    def __post_init__(self) -> None:
+        if self.narrowest <= 0.0:
+            object.__setattr__(self, "narrowest", NARROWEST * self.gait.step_width)
+        if self.widest <= 0.0:
+            object.__setattr__(self, "widest", WIDEST * self.gait.step_width)
+
+    @property
+    def name(self) -> str:
+        """For reports."""
+        return f"step ({self.rule.value})" if self.ankle is None else f"ankle + step ({self.rule.value})"
+
+    @cached_property
+    def _adaptive(self) -> AdaptiveTransitions:
+        return AdaptiveTransitions(self.biped, self.gait)
+
+    @cached_property
+    def _unstretched(self) -> AdaptiveTransitions:
+        return AdaptiveTransitions(self.biped, self.gait, anticipate=False)
+
+    def rising(self, landed: Landed) -> Phase:
+        """The anchored rising phase, shifted by the ankle law if there is one."""
+        return (self.ankle or self._adaptive).rising(landed)
+
+    def falling(self, rising: Phase, reversal: float) -> Phase:
+        """The falling phase to the width that the rule asks for."""
+        rising = unshifted(rising)
+        if self.rule is StepRule.LQR:
+            planned = self.gait.beta_reversal
+            width = self.gait.step_width - self.gain * (reversal - planned)
+            return self.to_width(rising, reversal, float(np.clip(width, self.narrowest, self.widest)))
+        width, error = self._dead_beat(rising, reversal)
+        phase = self.to_width(rising, reversal, width)
+        if self.ankle is None or error == 0.0 or not np.isfinite(error):
+            return phase
+
+        energy = falling_energy(self.biped, phase, reversal)
+
+        def left(shift: float) -> float:
+            try:
+                return -self._surplus_of(energy.shifted(shift))
+            except (ReversalError, UnreachablePoseError):
+                return -error
+
+        return shifted_fri(phase, self.ankle.falling_shift(phase, left, reversal))
+
+    # ------------------------------------------------------------------ widths
+    def to_width(self, rising: Phase, reversal: float, width: float) -> Phase:
+        """The falling phase from a reversal to a landing of the given width [m].
+
+        Raises:
+            UnreachablePoseError: the feet cannot stand so far apart.
+        """
+        if abs(width - self.gait.step_width) <= WIDTH_ACCURACY:
+            return self._adaptive.falling(rising, reversal)
+        pose = self.final_pose(width)
+        return self._adaptive.falling_to(rising, reversal, float(pose[0]), pose[1:])
+
+    def final_pose(self, width: float) -> "np.ndarray":
+        """(4,) pose of a landing of the given width, from which the next step starts at the gait's beta_r+ [rad]."""
+        planned = self.gait.falling
+        beta, swing_ankle = planned.beta_end, float(planned.joint_bezier[2, -1])
+
+        def off(x: float) -> float:
+            return float(double_support_pose(self.biped, x, width)[3]) - swing_ankle
+
+        # a wider stance leans both legs out; one of them is held, so the other leans twice as much
+        lean = (width - self.gait.step_width) / self.biped.leg_length
+        low, high = sorted((beta - 2.0 * lean, beta + 0.5 * lean))
+        if off(low) * off(high) > 0.0:
+            low, high = beta - 0.3, beta + 0.3
+        try:
+            found = float(brentq(off, low, high, xtol=1e-14))
+        except ValueError:
+            raise UnreachablePoseError(
+                f"no landing {width:.4g} m wide starts the next step at the gait's pose"
+            ) from None
+        return double_support_pose(self.biped, found, width)
+
+    # ------------------------------------------------------------------ rules
+    def surplus(self, falling: Phase, reversal: float) -> float:
+        """Energy after the landing of a falling phase beyond what rising to the planned reversal takes.
+
+        In kg^2 m^4/s^2; zero where the next step reverses as planned.
+
+        Raises:
+            ReversalError: the robot stops before the landing.
+        """
+        return self._surplus_of(falling_energy(self.biped, falling, reversal))
+
+    def _surplus_of(self, falling: PhaseEnergy) -> float:
+        landed = land_on_constraints(self.biped, falling)[2]
+        phase = self._unstretched.rising(landed)
+        return surplus_at_end(phase_energy(self.biped, phase, phase.beta_start, phase.beta_end), landed.dbeta)
+
+    def _dead_beat(self, rising: Phase, reversal: float) -> tuple[float, float]:
+        """Width, and the surplus left where no allowed width makes it vanish."""
+
+        def error(width: float) -> float:
+            try:
+                return self.surplus(self.to_width(rising, reversal, width), reversal)
+            except (ReversalError, UnreachablePoseError, ValueError):
+                return float("nan")
+
+        planned = self.gait.step_width
+        if abs(reversal - self.gait.beta_reversal) < 1e-13:
+            return planned, 0.0
+        offsets = np.array([0.0, *(sign * offset for offset in OFFSETS for sign in (1.0, -1.0))])
+        widths = np.unique(np.clip(planned * (1.0 + offsets), self.narrowest, self.widest))
+        order = sorted(widths, key=lambda width: abs(width - planned))
+        values: dict[float, float] = {}
+        for width in order:  # outwards from the gait's width, until two neighbours differ in sign
+            values[float(width)] = error(float(width))
+            known = sorted(values)
+            for a, b in pairwise(known):
+                if values[a] * values[b] <= 0.0:
+                    try:
+                        return float(brentq(error, a, b, xtol=WIDTH_ACCURACY)), 0.0
+                    except ValueError:  # not defined somewhere between
+                        continue
+        finite = {w: e for w, e in values.items() if np.isfinite(e)}
+        if not finite:
+            return planned, float("nan")
+        best = min(finite, key=lambda w: abs(finite[w]))
+        return best, finite[best]
+
+    @cached_property
+    def linear_map(self) -> tuple[float, float]:
+        """a and b of x+ = a x + b u at the gait: reversal error [rad] and width error [m]; central differences."""
+        rising, planned, width = self._adaptive.planned_rising, self.gait.beta_reversal, self.gait.step_width
+
+        def following(reversal: float, chosen: float) -> float:
+            falling = self.to_width(rising, reversal, chosen)
+            landed = land_on_constraints(self.biped, falling_energy(self.biped, falling, reversal))[2]
+            return rising_energy(self.biped, self._unstretched.rising(landed)).reversal(landed.dbeta)
+
+        h = 1e-3 * self.gait.rising.range
+        a = (following(planned + h, width) - following(planned - h, width)) / (2.0 * h)
+        b = (following(planned, width + h) - following(planned, width - h)) / (2.0 * h)
+        return float(a), float(b)
+
+    @cached_property
+    def gain(self) -> float:
+        """K of the LQR [m/rad]."""
+        a, b = self.linear_map
+        r = self.effort**2
+        # P = 1 + a^2 P - (a b P)^2 / (r + b^2 P), the positive root of b^2 P^2 + (r (1 - a^2) - b^2) P - r = 0
+        linear = r * (1.0 - a**2) - b**2
+        P = (-linear + np.sqrt(linear**2 + 4.0 * b**2 * r)) / (2.0 * b**2)
+        return float(a * b * P / (r + b**2 * P))

@@ -1,0 +1,224 @@
+"""What the phases of the next half-step are: the one interface of every stabiliser, and the two plain answers.
+
+A stabiliser is asked twice a step, after the impact and at the reversal, and answers with the virtual constraints of
+the phase that begins. The walking controller and the restricted return map ask the same object, so the closed form
+describes what is walked.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.exceptions import ReversalError
+from frontal_biped.gait.gait import Gait
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.virtual_constraints.anchoring import (
+    ContinuedPhase,
+    anchored_falling,
+    anchored_rising,
+    continued,
+    rescaled_falling,
+    with_ends,
+)
+from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.zero_dynamics.energy import PhaseEnergy
+from frontal_biped.zero_dynamics.half_steps import Landed, rising_energy, stretch_to_reversal
+
+SLOWEST = 0.02
+"""Share of the planned post-impact speed below which dq_b/dbeta is taken from the plan: it divides by the speed."""
+
+LEAST_RANGE = 0.1
+"""A rising phase that begins nearer to its end than this share of the planned range keeps the planned start."""
+
+TAPERS = (3.0, 1.0, 0.35, 0.08)
+CURVATURE_TAPERS = (0.35, 0.08, 0.03)
+"""Lengths of the continuation tried, relative to the range of the rising phase."""
+
+REJOINS = (2.0, 4.0, 8.0, 20.0, np.inf)
+"""Lengths c over which an early falling phase rejoins its path: the shortest that keeps I_P is taken."""
+
+ENOUGH_INERTIA = 0.9
+"""Share of the planned falling phase's smallest I_P that counts as kept."""
+
+FULL_LOAD = 0.9
+"""Share of the torque and friction limits up to which a late reversal is left to the continuation."""
+
+AS_PLANNED = 1e-9
+"""[rad] a landing this near to the planned one is the planned one."""
+
+
+class Stabiliser(Protocol):
+    """Chooses the virtual constraints of each phase."""
+
+    @property
+    def name(self) -> str:
+        """For reports."""
+
+    def rising(self, landed: Landed) -> Phase:
+        """Virtual constraints from an impact on."""
+
+    def falling(self, rising: Phase, reversal: float) -> Phase:
+        """Virtual constraints from a reversal on, given the phase that reversed and where [rad]."""
+
+
+@dataclass(frozen=True)
+class FixedTransitions:
+    """The paper's: both phases as planned, whatever happens.
+
+    Attributes:
+        gait: the gait.
+    """
+
+    gait: Gait
+
+    name = "fixed"
+
+    def rising(self, landed: Landed) -> Phase:
+        """The planned rising phase."""
+        return self.gait.rising
+
+    def falling(self, rising: Phase, reversal: float) -> Phase:
+        """The planned falling phase."""
+        return self.gait.falling
+
+
+@dataclass(frozen=True)
+class AdaptiveTransitions:
+    """Reversal-adaptive hybrid invariance: each phase begins where the robot is (see `anchoring`).
+
+    Attributes:
+        biped: the robot.
+        gait: the gait.
+        anticipate: stretch the rising phase of a landing so fast that its continuation would overload the robot?
+        rejoin: does an early falling phase rejoin its path, which keeps the return map, or is it rescaled as a whole,
+            which asks less where reversals are always a little off?
+    """
+
+    biped: FrontalBiped
+    gait: Gait
+    anticipate: bool = True
+    rejoin: bool = True
+
+    name = "adaptive"
+
+    @cached_property
+    def planned_rising(self) -> ContinuedPhase:
+        """The gait's rising phase with the continuation that asks the least torque half-way up the energy barrier.
+
+        Of those that keep I_P > 0 up to the barrier; where none does, the one that takes the most energy.
+        """
+        planned = self.gait.rising
+        at = planned.motion(np.array([planned.beta_end]))
+        # the FRI target stops half-way to the end of the sole it moves towards
+        slope, outer, inner = float(at.dp_fri[0]), *self.biped.sole
+        room = 0.5 * max((inner if slope > 0.0 else -outer) - np.sign(slope) * float(at.p_fri[0]), 1e-3)
+        best, rank = continued(planned, TAPERS[-1] * planned.range), (False, -np.inf)
+        for share in TAPERS:
+            for curvature in CURVATURE_TAPERS:
+                if curvature > share:
+                    continue
+                taper = share * planned.range
+                fri = min(taper, room / max(abs(slope), 1e-9))
+                phase = continued(planned, taper, curvature * planned.range, fri)
+                try:
+                    energy = rising_energy(self.biped, phase)
+                except ReversalError:
+                    continue
+                value = energy.highest
+                if energy.reaches_barrier:
+                    required = energy.at(planned.beta_end)[1]
+                    value = -energy.load(0.5 * (required + energy.highest), *self._limits)
+                if (energy.reaches_barrier, value) > rank:
+                    best, rank = phase, (energy.reaches_barrier, value)
+        return best
+
+    @cached_property
+    def _limits(self) -> tuple[FloatArray, float]:
+        spec = self.gait.specification
+        torque = np.asarray(spec.get("max_torque", self.biped.max_torque), dtype=float)
+        return torque, float(spec.get("friction", 0.6))
+
+    @cached_property
+    def _planned_energy(self) -> PhaseEnergy:
+        return rising_energy(self.biped, self.planned_rising)
+
+    @cached_property
+    def _planned_start(self) -> tuple[FloatArray, FloatArray]:
+        at = self.gait.rising.motion(np.array([self.gait.rising.beta_start]))
+        return at.q[0], at.dq[0, 1:]
+
+    def rising(self, landed: Landed) -> ContinuedPhase:
+        """The rising phase anchored to the state after the impact."""
+        planned = self.planned_rising
+        q, slope = self._planned_start
+        if abs(landed.dbeta) > SLOWEST * self.gait.orbit.beta_dot_after_impact:
+            slope = landed.slope
+        pose_error = float(np.max(np.abs(landed.q - q)))
+        slope_error = float(np.max(np.abs(slope - self._planned_start[1]))) * abs(planned.range)
+        near_end = planned.beta_end - landed.q[0] < LEAST_RANGE * planned.range
+        if max(pose_error, slope_error) < AS_PLANNED or near_end:
+            phase, energy = planned, self._planned_energy
+        else:
+            phase = anchored_rising(planned, float(landed.q[0]), landed.q[1:], slope)
+            if not self.anticipate:
+                return phase
+            energy = rising_energy(self.biped, phase)
+        zeta = 0.5 * (energy.start_inertia * landed.dbeta) ** 2
+        if not self.anticipate or landed.dbeta <= 0.0 or energy.end < phase.beta_end:
+            return phase
+        if zeta <= energy.at(phase.beta_end)[1]:
+            return phase
+        if zeta < energy.highest and energy.load(zeta, *self._limits) < FULL_LOAD:
+            return phase
+        return stretch_to_reversal(self.biped, phase, landed.dbeta)
+
+    def falling(self, rising: Phase, reversal: float) -> Phase:
+        """The falling phase from the actual reversal."""
+        return self.falling_to(rising, reversal, self.gait.falling.beta_end, self.gait.falling.joint_bezier[:, -1])
+
+    def falling_to(self, rising: Phase, reversal: float, beta: float, pose: FloatArray) -> Phase:
+        """The falling phase from the actual reversal to a final pose.
+
+        Args:
+            rising: the phase that reversed.
+            reversal: where [rad].
+            beta: stance ankle angle at the impact [rad].
+            pose: (3,) q_b there [rad].
+        """
+        planned = self.gait.falling
+        at = rising.motion(np.array([rising.beta_end]))
+        start = planned.motion(np.array([planned.beta_start]))
+        moved = max(
+            abs(rising.beta_end - planned.beta_start),
+            float(np.max(np.abs(at.q[0] - start.q[0]))),
+            float(np.max(np.abs(at.dq[0] - start.dq[0]))) * abs(planned.range),
+            float(np.max(np.abs(np.append(pose, beta) - np.append(planned.joint_bezier[:, -1], planned.beta_end)))),
+        )
+        if moved > AS_PLANNED:
+            slope, p_fri = at.dq[0, 1:], float(at.p_fri[0])
+            planned = with_ends(planned, rising.beta_end, at.q[0, 1:], slope, beta, pose, p_fri)
+        if reversal >= planned.beta_start:
+            return anchored_falling(planned, rising, reversal)
+        if not self.rejoin:
+            return rescaled_falling(planned, rising, reversal)
+        floor = ENOUGH_INERTIA * self._least_inertia(planned, planned.beta_start)
+        best, most = planned, -np.inf
+        for rejoin in REJOINS:
+            phase = anchored_falling(planned, rising, reversal, rejoin)
+            least = self._least_inertia(phase, reversal)
+            if least > most:
+                best, most = phase, least
+            if least >= floor:
+                break
+        return best
+
+    def _least_inertia(self, phase: Phase, start: float) -> float:
+        """Smallest I_P of a falling phase [kg m^2]."""
+        beta = start + (phase.beta_end - start) * np.linspace(0.0, 1.0, 25)
+        motion = phase.motion(beta)
+        momentum = [self.biped.momentum_map(q)[1:3] @ dq for q, dq in zip(motion.q, motion.dq, strict=True)]
+        vertical, moment = np.array(momentum).T
+        return float(np.min(moment - motion.p_fri * vertical))

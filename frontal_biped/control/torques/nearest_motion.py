@@ -1,0 +1,216 @@
+r"""The walking program where limits are active: a point of a polyhedron, nearest to the origin, in four dimensions.
+
+The program (`walking_qp`) misses its four targets by the residuals
+
+.. math:: r = ((\ddot y - v) / a_0,\; (N_0 - p_{FRI} F_v) / T_0),
+
+and its cost is |r|^2 / 2. Accelerations and forces are affine in r (`closed_form`); r = 0 is the linearising motion.
+What remains are the limits, rows G r >= h: a least-distance problem, which `least_distance` solves exactly, in a few
+small steps, or shows to have no solution.
+
+**With a control Lyapunov function** r is measured from v = 0 and the condition of decrease is one more row. Its
+relaxation delta has the price rho: where the multiplier of the row is at most rho, delta is zero; otherwise the row
+pulls with rho exactly, which is the same program without the row and with v = -rho a_0 n.
+
+**Where no torques keep every limit** the limits give way as `relaxation` says: the least overstepping s is a
+least-distance problem too, in (sqrt(w_t) r, sqrt(w) s), and a second one has the limits moved by s.
+"""
+
+from math import isfinite
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.control.torques.linearisation import Motion, Targets
+from frontal_biped.control.torques.relaxation import CONTACT_WEIGHT, JOINT_WEIGHT, SLACK
+from frontal_biped.control.torques.walking_qp import (
+    DDQ,
+    FORCE,
+    OUTPUT_ACCELERATION,
+    TORQUE_LEVER,
+    VARIABLES,
+    U,
+    WalkingQp,
+)
+from frontal_biped.numerics.least_distance import NoFeasiblePointError, UndecidedError, nearest_point
+from frontal_biped.numerics.quadratic_program import UNBOUNDED
+
+EXACT = 1e-9
+"""By how much a row may be missed, in the units of the program."""
+
+TASK_WEIGHT = 1e-9
+"""w_t of the least overstepping: smaller than what ProxQP can take, and the answer nearer to the least there is."""
+
+NEVER = -1e9
+"""Stands for minus infinity: a row that is never active."""
+
+
+class Nearest(NamedTuple):
+    """The optimum of the walking program.
+
+    Attributes:
+        motion: accelerations and forces.
+        relaxation: delta of the control Lyapunov function [rad/s^2].
+        violation: by how much limits are overstepped, in the units of the program [-]; 0 where none had to give way.
+    """
+
+    motion: Motion
+    relaxation: float
+    violation: float
+
+
+class NearestMotion:
+    """Solves the walking program in the residuals of its targets.
+
+    Args:
+        qp: the program; its limits and its dynamics are used, moved to the state of the tick.
+        price: rho of a control Lyapunov function's relaxation [-].
+    """
+
+    def __init__(self, qp: WalkingQp, price: float) -> None:
+        self._dynamics, self._joints, self._price = qp.dynamics, qp.joints, price
+        self._T_0 = TORQUE_LEVER * qp.biped.weight
+        contact, torque, *_ = qp.rows
+        fixed = slice(contact.start, torque.stop)  # of the program's rows those that are the same at every tick
+        program, weights = qp.program, np.array([CONTACT_WEIGHT] * 5 + [np.inf] * 4)  # motors never give way
+        C = program.C[fixed, :VARIABLES] / qp.scale
+        below, above = program.l[fixed] > -UNBOUNDED, program.u[fixed] < UNBOUNDED
+        rows = np.concatenate([C[below], -C[above]])
+        self._least = np.concatenate([program.l[fixed][below], -program.u[fixed][above]])
+        self._of_ddq = rows[:, DDQ]
+        self._of_forces = np.concatenate([rows[:, FORCE], np.zeros((len(rows), 1)), rows[:, U]], axis=1)
+        self._weights = np.concatenate([weights[below], weights[above]])
+        if qp.joints is not None:
+            self._weights = np.append(self._weights, [JOINT_WEIGHT] * (2 * len(qp.joints.limited)))
+        self._soft = np.flatnonzero(np.isfinite(self._weights))
+
+    def solve(self, q: FloatArray, dq: FloatArray, targets: Targets, linearising: Motion) -> Nearest | None:
+        """The optimum at the state of the dynamics, q (4,) [rad], dq (4,) [rad/s].
+
+        None where it is not known to rounding: I_P nearly vanishes, or the state is far outside of everything.
+
+        Args:
+            q: state.
+            dq: its rate.
+            targets: what is asked of it.
+            linearising: the motion that meets them, limits left aside.
+        """
+        origin = linearising
+        if targets.decrease is not None:  # from v = 0
+            origin = self._dynamics.linearising(targets._replace(ddy=np.zeros(3))) or linearising
+        along, forces_along = self._dynamics.along_residuals(targets.p_fri, OUTPUT_ACCELERATION, self._T_0)
+        G, h = self._limits(q, dq, origin, along, forces_along)
+        if not isfinite(h.sum() + G.sum()):
+            return None
+        try:
+            r, delta, violation = self._optimum_or_nearest(G, h, targets)
+        except NoFeasiblePointError:
+            return None
+        return Nearest(Motion(origin.ddq + along.dot(r), origin.forces + forces_along.dot(r)), delta, violation)
+
+    def _optimum_or_nearest(self, G: FloatArray, h: FloatArray, targets: Targets) -> tuple[FloatArray, float, float]:
+        """Residuals (4,), delta [rad/s^2] and violation [-]: with the limits as they are, or giving way as they must.
+
+        Raises:
+            NoFeasiblePointError: neither is known to rounding.
+        """
+        try:
+            return *self._optimum(G, h, targets), 0.0
+        except UndecidedError:
+            raise
+        except NoFeasiblePointError:
+            r, delta = self._optimum(G, h - self._least_overstepping(G, h, targets), targets)
+            return r, delta, max(0.0, (h - G.dot(r)).max().item())
+
+    def _limits(
+        self, q: FloatArray, dq: FloatArray, origin: Motion, along: FloatArray, forces_along: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Rows G r >= h of all limits, G (k, 4), h (k,)."""
+        G = self._of_forces.dot(forces_along)
+        G += self._of_ddq.dot(along)
+        h = self._least - self._of_forces.dot(origin.forces)
+        h -= self._of_ddq.dot(origin.ddq)
+        if self._joints is None:
+            return G, h
+        limited = self._joints.limited
+        lower, upper = self._joints.bounds(q, dq)
+        ddq, joint = origin.ddq[limited], along[limited] / OUTPUT_ACCELERATION
+        bounds = np.concatenate([lower[limited] - ddq, ddq - upper[limited]]) / OUTPUT_ACCELERATION
+        return np.concatenate([G, joint, -joint]), np.concatenate([h, np.maximum(bounds, NEVER)])
+
+    def _optimum(self, G: FloatArray, h: FloatArray, targets: Targets) -> tuple[FloatArray, float]:
+        """Residuals (4,) and delta [rad/s^2] of the optimum under G r >= h.
+
+        Raises:
+            NoFeasiblePointError: there is none.
+            UndecidedError: it is not known to rounding.
+        """
+        if targets.decrease is None:
+            return _nearest(G, h)[0], 0.0
+        n, b = targets.decrease
+        row = np.append(-n, 0.0)
+        try:
+            r, multipliers = _nearest(np.vstack([G, row]), np.append(h, b / OUTPUT_ACCELERATION))
+            if multipliers[-1] <= self._price:
+                return r, 0.0
+        except NoFeasiblePointError:  # not without relaxation
+            pass
+        pulled = self._price * row
+        r = _nearest(G, h - G.dot(pulled))[0] + pulled
+        delta = b - OUTPUT_ACCELERATION * row.dot(r).item()
+        if delta < 0.0:
+            raise UndecidedError("neither with nor without relaxation")
+        return r, delta
+
+    def _least_overstepping(self, G: FloatArray, h: FloatArray, targets: Targets) -> FloatArray:
+        """(k,) by how much each limit gives way, a little more than it must.
+
+        Raises:
+            NoFeasiblePointError: rounding makes it look as if motors had to give way too.
+        """
+        soft, weights = self._soft, self._weights
+        if targets.decrease is not None:
+            h = h - G[:, :3].dot(targets.ddy) / OUTPUT_ACCELERATION
+        rows = np.zeros((4 + len(soft), len(h)))
+        # the task, as in the program, in units of its own size
+        rows[:4] = G.T * (_distance(G, h) / TASK_WEIGHT**0.5)
+        rows[4 + np.arange(len(soft)), soft] = weights[soft] ** -0.5
+        s = nearest_point(rows, h) / weights
+        s[soft] += SLACK * max(1.0, s.max())
+        return s
+
+
+def _nearest(G: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The point r (4,) nearest to the origin with G r >= h, and multipliers (k,).
+
+    It is sought in units of the distance that the farthest row asks for, or rounding would hide a far one.
+
+    Raises:
+        NoFeasiblePointError: there is none.
+        UndecidedError: it is not known to rounding.
+    """
+    unit = _distance(G, h)
+    multipliers = unit * nearest_point(G.T, h / unit)
+    r = multipliers.dot(G)
+    active = multipliers.nonzero()[0]
+    room = G.dot(r) - h
+    if _missed(room, active) > EXACT:
+        r -= np.linalg.lstsq(G[active], room[active], rcond=None)[0]
+        room = G.dot(r) - h
+        if _missed(room, active) > EXACT:
+            raise UndecidedError("the active rows are met to rounding only")
+    return r, multipliers
+
+
+def _missed(room: FloatArray, active: npt.NDArray[np.intp]) -> float:
+    """By how much G r - h is negative anywhere, or not zero where a row is active."""
+    return max(-room.min().item(), room[active].max(initial=0.0).item())
+
+
+def _distance(G: FloatArray, h: FloatArray) -> float:
+    """How far r must at least go to meet the row G r >= h that is missed by most, or 1 if that is more."""
+    i = h.argmax()
+    size = G[i].dot(G[i]).item() ** 0.5
+    return max(1.0, h.item(i) / size) if size > 0.0 else 1.0

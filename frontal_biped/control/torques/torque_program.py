@@ -1,0 +1,142 @@
+"""From targets to torques: closed form, quadratic program, relaxed program, in this order.
+
+The program is solved exactly in the residuals of its targets (`nearest_motion`); by ProxQP, to its tolerance, where
+that is not possible to rounding, and at every tick if the settings say so.
+"""
+
+from enum import Enum
+from math import isfinite
+from typing import NamedTuple
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.control.settings import ControllerSettings
+from frontal_biped.control.torques.limits import ContactLimits, JointLimits
+from frontal_biped.control.torques.linearisation import Targets
+from frontal_biped.control.torques.nearest_motion import NearestMotion
+from frontal_biped.control.torques.relaxation import RelaxedQp, violation
+from frontal_biped.control.torques.walking_qp import DDQ, DELTA, FORCE, VARIABLES, U, WalkingQp
+from frontal_biped.model.biped import BASE, FrontalBiped
+from frontal_biped.numerics.quadratic_program import ProxQpSolver, refined
+
+PENALTY_PARAMETER = 1e-2
+"""ProxQP's mu of the inequalities: a third fewer iterations on walking programs than with its default of 0.1.
+
+With 1e-3 they are fewer still, but one feasible program in a thousand is given up.
+"""
+
+RELAXED_ACCURACY = 1e-6
+"""Absolute and relative, of the relaxed program: far outside the limits its numbers grow large."""
+
+
+class Source(Enum):
+    """Where the torques of a tick come from."""
+
+    CLOSED_FORM = "closed form"
+    """No limit is active: the optimum of the quadratic program in closed form."""
+    PROGRAM = "program"
+    """The quadratic program, to its accuracy."""
+    RELAXED = "relaxed"
+    """The program had no solution: that of the nearest one that has."""
+    HELD = "held"
+    """Nothing could be solved: the last command again."""
+
+
+class Answer(NamedTuple):
+    """Torques of one tick.
+
+    Attributes:
+        source: where they come from; never `Source.HELD`.
+        u: (4,) torques [N m].
+        ddq: (4,) accelerations expected [rad/s^2].
+        force: (2,) ground reaction expected [N].
+        violation: by how much limits are overstepped, in the units of the program [-].
+        relaxation: delta of the control Lyapunov function [rad/s^2].
+    """
+
+    source: Source
+    u: FloatArray
+    ddq: FloatArray
+    force: FloatArray
+    violation: float = 0.0
+    relaxation: float = 0.0
+
+
+class TorqueProgram:
+    """Solves for the torques of one tick.
+
+    Args:
+        biped: the robot.
+        settings: limits and tolerances.
+    """
+
+    def __init__(self, biped: FrontalBiped, settings: ControllerSettings) -> None:
+        outer, inner = biped.sole
+        torque = biped.max_torque if settings.max_torque is None else np.array(settings.max_torque)
+        limits = ContactLimits(settings.friction, settings.min_normal_force * biped.weight, outer, inner, torque)
+        joints = None
+        if settings.joint_rate is not None:
+            joints = JointLimits(biped.joint_lower, biped.joint_upper, biped.joint_max_velocity, settings.joint_rate)
+        price = settings.relaxation_price if settings.outputs == "clf" else None
+        self.qp = WalkingQp(biped, limits, joints, price)
+        self._exact = settings.solver == "exact"
+        self._nearest = NearestMotion(self.qp, settings.relaxation_price)
+        self._solver = ProxQpSolver(settings.accuracy, settings.max_iterations, penalty_parameter=PENALTY_PARAMETER)
+        self._relaxed = RelaxedQp(self.qp.program, self.qp.rows)
+        self._relaxed_solver = ProxQpSolver(RELAXED_ACCURACY, settings.max_iterations, relative=RELAXED_ACCURACY)
+        self._was_active = False
+
+    def solve(self, q: FloatArray, dq: FloatArray, targets: Targets) -> Answer | None:
+        """Torques at q (4,) [rad], dq (4,) [rad/s]; None where even the relaxed program is not solved."""
+        self.qp.move_to(q, dq)
+        answer = self._exactly(q, dq, targets) if self._exact else None
+        if answer is None:
+            return self._by_proxqp(targets)
+        self._was_active = False
+        return answer
+
+    def _exactly(self, q: FloatArray, dq: FloatArray, targets: Targets) -> Answer | None:
+        """The answer to rounding; None where that cannot be had."""
+        qp = self.qp
+        motion = qp.dynamics.linearising(targets)
+        if motion is None:
+            return None
+        if qp.keeps_limits(motion):
+            forces = motion.forces
+            return Answer(Source.CLOSED_FORM, forces[BASE:], motion.ddq, forces[:2], 0.0, targets.relaxation)
+        nearest = self._nearest.solve(q, dq, targets, motion)
+        if nearest is None:
+            return None
+        (ddq, forces), relaxation, violation = nearest
+        source = Source.RELAXED if violation else Source.PROGRAM
+        return Answer(source, self._clipped(forces[BASE:]), ddq, forces[:2], violation, relaxation)
+
+    def _clipped(self, u: FloatArray) -> FloatArray:
+        """The torques within the motors' limits to the last digit, whatever the tolerance they were found to."""
+        most = self.qp.limits.max_torque
+        return np.minimum(np.maximum(u, -most), most)
+
+    def _by_proxqp(self, targets: Targets) -> Answer | None:
+        """ProxQP's answer, of the relaxed program where it finds none; None where it finds neither."""
+        qp = self.qp
+        program = qp.build(targets)
+        if not isfinite(program.g.sum() + program.b.sum() + program.A.sum()):
+            return None
+        # the limits active at the last tick are mostly those of this one
+        solution = self._solver.solve(program, warm=self._was_active)
+        source, overstepped = Source.PROGRAM, 0.0
+        self._was_active = solution.solved
+        if solution.solved:
+            solution = refined(program, solution)
+        else:
+            least = self._relaxed_solver.solve(self._relaxed.build(program), warm=False)
+            if not least.solved:
+                return None
+            widened = self._relaxed.widened(program, least.x)
+            solution = self._solver.solve(widened, warm=False)
+            solution = refined(widened, solution) if solution.solved else least
+            source, overstepped = Source.RELAXED, violation(program, solution.x)
+        x = solution.x[:VARIABLES] * qp.scale
+        relaxation = 0.0 if targets.decrease is None else qp.delta_unit * float(solution.x[DELTA])
+        return Answer(source, self._clipped(x[U]), x[DDQ], x[FORCE], overstepped, relaxation)

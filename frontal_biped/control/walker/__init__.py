@@ -1,0 +1,1 @@
+"""The walker: from sensor readings to torques, as on a robot."""

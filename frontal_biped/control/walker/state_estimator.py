@@ -1,0 +1,171 @@
+r"""What the walking robot makes of its readings: stance coordinates, their rates, and how wrong its model is.
+
+Between readings the model predicts, under the torques that were applied, with one acceleration error for each joint:
+
+.. math:: \ddot q = D^{-1}(u - C \dot q - G) + a, \qquad \dot a = \text{noise}
+
+A reading corrects q, dq and a by the gains of a Kalman filter. The error of each joint is taken for a triple integrator
+of its own, so the gains depend on nothing but the time since the last impact, and are tabulated once: after an impact
+the velocities are uncertain, since the impact map of a wrong model is wrong, and a few readings put them right.
+
+The stance foot is known to stand, but not that it stands flat: the absolute angle of the stance leg, which is what
+gravity sees, comes from the pelvis' roll and the hip; the ankle's encoder would add the tilt of the foot.
+
+The acceleration error of one stance foot is remembered until that foot stands again: a pelvis whose centre of mass is
+off to one side errs in opposite senses on the two feet.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pinocchio as pin
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.chain import UPRIGHT
+from frontal_biped.model.impact import impact
+from frontal_biped.model.stance_map import Stance
+
+TABULATED = 400
+"""Readings after an impact for which gains are tabulated; they have settled by then."""
+
+
+@dataclass(frozen=True)
+class EstimatorSettings:
+    """How much the estimator trusts what.
+
+    Attributes:
+        encoder_noise: standard deviation of a position reading [rad].
+        velocity_noise: standard deviation of a velocity reading, where there are any [rad/s].
+        impact_velocity: standard deviation of the velocities that the impact map predicts [rad/s].
+        impact_acceleration: standard deviation of the acceleration error remembered from the last step [rad/s^2].
+        drift: of the acceleration error, standard deviation after one second [rad/s^2].
+        blind: time after an impact during which the readings are left aside, since the contact is still at work [s].
+    """
+
+    encoder_noise: float = 2e-4
+    velocity_noise: float = 1e-3
+    impact_velocity: float = 0.1
+    impact_acceleration: float = 1.0
+    drift: float = 2.0
+    blind: float = 0.006
+
+
+class StateEstimator:
+    """Estimates state and model error in stance coordinates.
+
+    Args:
+        biped: the robot as it is believed to be.
+        period: time between readings [s].
+        settings: what to trust.
+        delay: from a reading to the torques it leads to [s].
+
+    Attributes:
+        q: (4,) estimate [rad].
+        dq: (4,) its rate [rad/s].
+        error: (4,) acceleration error of the model [rad/s^2].
+    """
+
+    def __init__(
+        self, biped: FrontalBiped, period: float, settings: EstimatorSettings | None = None, delay: float = 0.0
+    ) -> None:
+        self.biped, self.period = biped, period
+        self.settings = settings or EstimatorSettings()
+        self._model, self._data = biped.pinned, biped.pinned.createData()
+        chosen = self.settings
+        # until the landing is noticed, the old ankle torque turns the foot that has become the swing foot
+        torque = 0.3 * biped.weight * biped.sole[1]
+        turned = torque * (period + delay) / float(biped.D(np.full(4, UPRIGHT))[3, 3])
+        foot = replace(chosen, impact_velocity=max(chosen.impact_velocity, turned), blind=0.0)
+        self._gains = {
+            what: np.stack([_gain_table(s, period, what == "velocities") for s in (chosen, chosen, chosen, foot)], -1)
+            for what in ("positions", "velocities")
+        }
+        self.q, self.dq, self.error = np.zeros(4), np.zeros(4), np.zeros(4)
+        self._remembered = {stance: np.zeros(4) for stance in Stance}
+        self._stance = Stance.LEFT
+        self._readings = 0
+
+    def reset(self, stance: Stance, q: FloatArray, dq: FloatArray) -> None:
+        """Start at a known state, the model trusted."""
+        self.q, self.dq, self.error = q.copy(), dq.copy(), np.zeros(4)
+        self._remembered = {stance: np.zeros(4) for stance in Stance}
+        self._stance, self._readings = stance, TABULATED - 1
+
+    def predict(self, u: FloatArray) -> None:
+        """One period on, under the torques u (4,) that were applied in it [N m]."""
+        self.q, self.dq = self._advanced(self.q, self.dq, u)
+
+    def correct(self, q: FloatArray, dq: FloatArray | None = None) -> None:
+        """Take a reading of q (4,) [rad], and of dq (4,) [rad/s] if there is one."""
+        at = min(self._readings, TABULATED - 1)
+        self._readings += 1
+        missed = q - self.q
+        if dq is None:
+            steps = self._gains["positions"][at, :, 0] * missed
+        else:
+            gains = self._gains["velocities"][at]
+            steps = gains[:, 0] * missed + gains[:, 1] * (dq - self.dq)
+        self.q = self.q + steps[0]
+        self.dq = self.dq + steps[1]
+        self.error = self.error + steps[2]
+
+    def land(self) -> None:
+        """The swing foot lands and becomes the stance foot; if it lands tilted, the leg keeps its absolute angle."""
+        landed = impact(self.biped, self.q, self.dq)
+        tilt = float(self.biped.swing_foot_rotation(self.q))
+        self.q, self.dq = landed.q_plus.copy(), landed.dq_plus.copy()
+        self.q[0] -= tilt
+        self._remembered[self._stance] = self.error
+        self._stance = self._stance.other
+        self.error = self._remembered[self._stance].copy()
+        self._readings = 0
+
+    def ahead(self, torques: Iterable[FloatArray]) -> tuple[FloatArray, FloatArray]:
+        """q and dq after torques (4,) [N m] that are on their way, each held for a period."""
+        q, dq = self.q, self.dq
+        for u in torques:
+            q, dq = self._advanced(q, dq, u)
+        return q, dq
+
+    def error_torques(self, q: FloatArray) -> FloatArray:
+        """(4,) torques that the acceleration error amounts to, D a [N m]."""
+        return pin.crba(self._model, self._data, q) @ self.error
+
+    def _advanced(self, q: FloatArray, dq: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
+        h, model, data = self.period, self._model, self._data
+        ddq = pin.aba(model, data, q, dq, u) + self.error
+        middle = pin.aba(model, data, q + 0.5 * h * dq, dq + 0.5 * h * ddq, u) + self.error
+        return q + h * dq + 0.5 * h**2 * ddq, dq + h * middle
+
+
+def _gain_table(settings: EstimatorSettings, period: float, velocities: bool) -> FloatArray:
+    """(TABULATED, 3, 1 or 2) Kalman gains of position, rate and acceleration error after an impact.
+
+    Of one joint, whose error is a triple integrator; rows q, dq, a, columns the readings of q (and dq).
+    """
+    h = period
+    F = np.array([[1.0, h, 0.5 * h**2], [0.0, 1.0, h], [0.0, 0.0, 1.0]])
+    # white noise on da/dt, integrated over a period
+    Q = settings.drift**2 * np.array(
+        [
+            [h**5 / 20.0, h**4 / 8.0, h**3 / 6.0],
+            [h**4 / 8.0, h**3 / 3.0, h**2 / 2.0],
+            [h**3 / 6.0, h**2 / 2.0, h],
+        ]
+    )
+    rows = 2 if velocities else 1
+    H = np.eye(rows, 3)
+    R = np.diag(np.array([settings.encoder_noise, settings.velocity_noise])[:rows] ** 2)
+    P = np.diag([settings.encoder_noise, settings.impact_velocity, settings.impact_acceleration]) ** 2
+    table = np.zeros((TABULATED, 3, rows))
+    for k in range(TABULATED):
+        if k:
+            P = F @ P @ F.T + Q
+        if k * h < settings.blind:
+            continue
+        K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
+        P = (np.eye(3) - K @ H) @ P
+        table[k] = K
+    return table

@@ -1,0 +1,257 @@
+"""The demonstration: from a URDF to a certified gait that walks in the browser, in one folder."""
+
+import shutil
+import tempfile
+import time
+from collections.abc import Callable
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+
+from frontal_biped.analysis.closed_form import (analyze)
+from frontal_biped.demo.report import (DemoReport, SampledRun)
+from frontal_biped.control.settings import (ControllerSettings)
+from frontal_biped.gait.specification import (default_specification)
+from frontal_biped.design.optimise import (design_gait)
+from frontal_biped.gait.shipped import (load_specification)
+from frontal_biped.exceptions import (DesignFailedError)
+from frontal_biped.files.atomic import (require_folder, write_json)
+from frontal_biped.gait.gait import (Gait)
+from frontal_biped.gait.file import (save_gait)
+from frontal_biped.library.executors import (worker_processes)
+from frontal_biped.model.biped import (FrontalBiped)
+from frontal_biped.analysis.robustness import (RobustnessCard, robustness_card)
+from frontal_biped.analysis.sensitivity import (SensitivityExperiment, reversal_sensitivity)
+from frontal_biped.simulation.settings import (SimulationSettings)
+from frontal_biped.simulation.trajectory import (Trajectory, save_trajectory)
+from frontal_biped.simulation.walking import (simulate)
+from frontal_biped.analysis.sensitivity import (SpeedErrorOutcome, simulated_multiplier, speed_error_outcome)
+
+STEPS = 20
+PAGE_STEPS = 6  # animated in the report; enough for both feet three times
+CONTROL_PERIOD = 1e-3  # [s]
+COMPARED_PERIODS = (4e-3, 2e-3, 1e-3)  # [s], for the order of the sampling error
+COMPARED_STEPS = 1
+SPEED_ERRORS = (+0.001, -0.001)
+REVERSAL_ERRORS = (-1e-3, -1e-5, 1e-5, 1e-4)  # [rad]; 1e-3 late costs 1.7 rad, and seconds, with fixed transitions
+SHOWN_STABILISERS = ("adaptive", "ankle")
+SHOWN_PUSHES: tuple[tuple[str, float], ...] = (("at the reversal", 1.0),)  # `analyze --robustness` has four
+MAP_SAMPLES = 7
+PUSH_RESOLUTION = 8.0  # [N s]
+CONTINUOUS = SimulationSettings(rtol=1e-8, atol=1e-10)  # 20 steps repeat to some 1e-10, far inside 1e-7
+SPEED_ERROR_STEPS = 3  # the decay by the multiplier shows after a few
+
+Say = Callable[[str], None]
+
+
+def make_demo(biped: FrontalBiped, folder: Path, on_progress: Say | None = None) -> DemoReport:
+    """Design, certify, simulate, draw, and write one folder.
+
+    Everything is made in a temporary folder first; the demonstration's files move to ``folder`` only when all of
+    them exist.
+
+    Args:
+        biped: the robot.
+        folder: to write ``gait.json``, ``run.npz``, ``report.json``, ``report.html`` and ``figures/`` to.
+        on_progress: called with what is being done.
+
+    Returns:
+        The report.
+
+    Raises:
+        DesignFailedError: no gait was found.
+        MissingExtraError: matplotlib is not installed.
+        OSError: the folder cannot be written.
+    """
+    require_folder(folder)
+    say = on_progress or (lambda _: None)
+    seconds: dict[str, float] = {}
+    with tempfile.TemporaryDirectory(prefix="frontal-biped-") as scratch:
+        made = Path(scratch) / "demo"  # with the usual permissions; those of the scratch folder are private
+        made.mkdir()
+        report, run, gait, figures = _compute(biped, folder, made / "figures", say, seconds)
+        say("drawing the page")
+        began = time.perf_counter()
+        save_gait(gait, made / "gait.json")
+        save_trajectory(run, made / "run.npz")
+        _draw(biped, run, report, figures, made)
+        seconds["page"] = time.perf_counter() - began
+        write_json(made / "report.json", report.as_dict())
+        shutil.copytree(made, folder, dirs_exist_ok=True)
+    return report
+
+
+def _compute(
+    biped: FrontalBiped, folder: Path, figures: Path, say: Say, seconds: dict[str, float]
+) -> tuple[DemoReport, Trajectory, Gait, list[Path]]:
+    from frontal_biped.figures.write import (write_figures)
+
+    def timed(stage: str) -> "_Stage":
+        say(stage)
+        return _Stage(stage, seconds)
+
+    with timed("design"):
+        design = design_gait(
+            biped,
+            default_specification(biped),
+            on_progress=lambda i, cost, _: say(f"designing, iteration {i}, J = {cost:.2f} N^2 m s"),
+        )
+    if design.gait is None:
+        raise DesignFailedError(f"{biped.name}: {design.message}")
+    gait = design.gait
+    # half of the work goes to a second process; what it has not begun when the rest is done is done here
+    with worker_processes(1) as executor:
+        robust_card = _Shared(executor, _robust_card, biped, SHOWN_STABILISERS[-1:], SHOWN_PUSHES)
+        card = _Shared(executor, _card, biped, gait, SHOWN_STABILISERS)
+        compared = _Shared(executor, _compare_periods, biped, gait)
+        outcomes = _Shared(executor, _take_speed_errors, biped, gait)
+        sensitivity = _Shared(executor, _lose_invariance, biped, gait, REVERSAL_ERRORS)
+        sampled = _Shared(executor, _sampled, biped, gait, CONTROL_PERIOD, STEPS)
+        with timed("analysis"):
+            analysis = analyze(biped, gait)
+        with timed("continuous walk"):
+            run = simulate(
+                biped,
+                gait,
+                steps=STEPS,
+                simulation_settings=CONTINUOUS,
+                on_step=lambda n: say(f"walking, continuous control, step {n}/{STEPS}"),
+            )
+        with timed("multiplier"):
+            multiplier = simulated_multiplier(biped, gait)
+        with timed("figures"):
+            paths = write_figures(figures, biped, gait, run)
+        with timed("sampled walk, errors and robustness"):
+            for part in (sampled, sensitivity, outcomes, compared, card, robust_card):
+                part.do_if_waiting()
+            cards = {"this": card.result()}
+            if (of_robust := robust_card.result()) is not None:
+                cards["robust"] = of_robust
+    periods = np.log([run.period for run in compared.result()])
+    errors = np.log([run.worst_output_error for run in compared.result()])
+    states = run.post_impact_states()
+    report = DemoReport(
+        folder=folder,
+        analysis=analysis,
+        design=design,
+        steps=STEPS,
+        continuous_state_error=float(np.max(np.abs(states - states[0]))),
+        continuous_output_error=float(np.max(np.abs(run.output_error))),
+        sampled=sampled.result(),
+        compared=compared.result(),
+        sampling_order=float(np.polyfit(periods, errors, 1)[0]),
+        multiplier_simulated=multiplier,
+        speed_errors=outcomes.result(),
+        sensitivity=sensitivity.result(),
+        robustness=cards,
+        seconds=seconds,
+    )
+    return report, run, gait, paths
+
+
+def _take_speed_errors(biped: FrontalBiped, gait: Gait) -> tuple[SpeedErrorOutcome, ...]:
+    """What errors of speed do to the gait with the paper's transitions."""
+    return tuple(speed_error_outcome(biped, gait, error, steps=SPEED_ERROR_STEPS) for error in SPEED_ERRORS)
+
+
+def _lose_invariance(biped: FrontalBiped, gait: Gait, shifts: tuple[float, ...]) -> SensitivityExperiment:
+    """What errors of the reversal do to the gait."""
+    return reversal_sensitivity(biped, gait, shifts=shifts)
+
+
+def _compare_periods(biped: FrontalBiped, gait: Gait) -> tuple[SampledRun, ...]:
+    """Short walks at several control periods, with the same gains."""
+    gains = ControllerSettings.for_gait(gait)
+    return tuple(_sampled(biped, gait, period, COMPARED_STEPS, gains) for period in COMPARED_PERIODS)
+
+
+def _card(biped: FrontalBiped, gait: Gait, stabilisers: tuple[str, ...]) -> RobustnessCard:
+    """What the gait can take; pushes are left to `analyze --robustness`."""
+    return robustness_card(biped, gait, stabilisers=stabilisers, instants=(), samples=MAP_SAMPLES)
+
+
+def _robust_card(
+    biped: FrontalBiped, stabilisers: tuple[str, ...], pushes: tuple[tuple[str, float], ...]
+) -> RobustnessCard | None:
+    """What the gait of the specification `robust` can take; None where the robot has none."""
+    robust = design_gait(biped, load_specification("robust")).gait
+    if robust is None:
+        return None
+    return robustness_card(biped, robust, stabilisers=stabilisers, instants=pushes, push_resolution=PUSH_RESOLUTION)
+
+
+def _sampled(
+    biped: FrontalBiped, gait: Gait, period: float, steps: int, settings: ControllerSettings | None = None
+) -> SampledRun:
+    run = simulate(biped, gait, steps=steps, period=period, controller_settings=settings)
+    return SampledRun(period, run.steps_completed, float(np.max(np.abs(run.output_error))))
+
+
+def _draw(biped: FrontalBiped, run: Trajectory, report: DemoReport, paths: list[Path], folder: Path) -> None:
+    from frontal_biped.demo.page import report_page
+    from frontal_biped.figures.write import (write_figure)
+    from frontal_biped.figures.robustness import (ROBUSTNESS_FIGURES, return_map, sensitivity)
+
+    paths = paths + write_figure(folder / "figures", "sensitivity", sensitivity(report.sensitivity.runs))
+    card = list(report.robustness.values())[-1]
+    paths += write_figure(folder / "figures", "return_map", return_map(card))
+    drawn = [
+        (ROBUSTNESS_FIGURES.get(path.stem, path.stem), path.read_text(encoding="utf-8"))
+        for path in paths
+        if path.suffix == ".svg"
+    ]
+    page = report_page(
+        biped,
+        run.first_steps(PAGE_STEPS),
+        drawn,
+        title=f"{biped.name}: a certified frontal gait",
+        numbers=report.figures(),
+        constraints=[
+            (c.code, c.name, f"{c.value:.5g}", f"{c.bound:.4g}", f"{c.margin:.3g}", c.unit)
+            for c in report.analysis.constraints.checks
+        ],
+        robustness=[
+            (f"{name} gait", [(row, text) for row, text in card.rows()]) for name, card in report.robustness.items()
+        ],
+        notes=[
+            "Sensitivity, with the paper's fixed transition at the planned reversal:",
+            *(str(outcome) for outcome in report.speed_errors),
+        ],
+    )
+    (folder / "report.html").write_text(page, encoding="utf-8")
+
+
+T = TypeVar("T")
+
+
+class _Shared(Generic[T]):
+    """A part of the work that another process does, unless this one gets to it first."""
+
+    def __init__(self, executor: Executor, function: Callable[..., T], *arguments: Any) -> None:
+        self._function, self._arguments = function, arguments
+        self._future = executor.submit(function, *arguments)
+        self._own: list[T] = []
+
+    def do_if_waiting(self) -> None:
+        """Do it here if it has not been begun."""
+        if self._future.cancel():
+            self._own.append(self._function(*self._arguments))
+
+    def result(self) -> T:
+        """What came of it, waited for."""
+        return self._own[0] if self._own else self._future.result()
+
+
+class _Stage:
+    """Wall time of a stage."""
+
+    def __init__(self, name: str, seconds: dict[str, float]) -> None:
+        self.name, self.seconds = name, seconds
+
+    def __enter__(self) -> None:
+        self.began = time.perf_counter()
+
+    def __exit__(self, *_: object) -> None:
+        self.seconds[self.name] = time.perf_counter() - self.began

@@ -1,0 +1,131 @@
+"""The figures of a gait and a run; `write_figures` makes them all.
+
+Each function takes data and returns a Matplotlib figure made with the object API; nothing is shown.
+"""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from frontal_biped.figures.barrier import energy_barrier
+from frontal_biped.figures.state import energy, phase_portrait, snapshots
+from frontal_biped.figures.style import figure_svg, styled
+from frontal_biped.figures.time import ground_reaction, joint_angles, swing_foot_height, torques
+from frontal_biped.files.atomic import atomic_path, write_text
+from frontal_biped.gait.gait import Gait
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.simulation.orbit import orbit_trajectory
+from frontal_biped.simulation.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = [
+    "FIGURES",
+    "all_figures",
+    "energy",
+    "energy_barrier",
+    "figure_svg",
+    "ground_reaction",
+    "joint_angles",
+    "phase_portrait",
+    "snapshots",
+    "swing_foot_height",
+    "torques",
+    "write_figure",
+    "write_figures",
+]
+
+FORMATS = ("svg", "pdf", "png")
+"""What figures can be written as; PNG at 300 dots per inch."""
+
+FIGURES: dict[str, str] = {
+    "joint_angles": "Joint angles, desired and simulated, over two steps.",
+    "snapshots": "Two steps, seen from the front.",
+    "phase_portrait": "Phase portrait of the stance ankle, the phase variable.",
+    "energy": "Energy of the zero dynamics on the periodic orbit.",
+    "barrier": "Will it tip over? The energy barrier, and orbits of perturbed steps before it.",
+    "torques": "Joint torques over two steps.",
+    "ground_reaction": "Ground reaction with its friction cone, and the FRI inside the sole.",
+    "swing_foot_height": "Height of the swing sole above the ground.",
+}
+"""Names and captions, in the order of a report."""
+
+
+def all_figures(
+    biped: FrontalBiped, gait: Gait | None, trajectory: Trajectory | None = None
+) -> list[tuple[str, "Figure"]]:
+    """Every figure that the given data allow, with its name.
+
+    Args:
+        biped: the robot.
+        gait: the gait; None: there are no energy figures.
+        trajectory: the run; None: the periodic orbit of the gait.
+
+    Returns:
+        (name, figure) in the order of `FIGURES`.
+
+    Raises:
+        ValueError: neither a gait nor a run is given.
+        MissingExtraError: Matplotlib is not installed.
+    """
+    if trajectory is None:
+        if gait is None:
+            raise ValueError("figures need a gait or a run")
+        trajectory = orbit_trajectory(biped, gait)
+    run = trajectory
+    makers: dict[str, Callable[[], Figure]] = {
+        "joint_angles": lambda: joint_angles(run),
+        "snapshots": lambda: snapshots(biped, run),
+        "phase_portrait": lambda: phase_portrait(run),
+        "torques": lambda: torques(biped, run),
+        "ground_reaction": lambda: ground_reaction(biped, run),
+        "swing_foot_height": lambda: swing_foot_height(biped, run),
+    }
+    if gait is not None:
+        known = gait
+        makers["energy"] = lambda: energy(biped, known)
+        makers["barrier"] = lambda: energy_barrier(biped, known, run)
+    return [(name, makers[name]()) for name in FIGURES if name in makers]
+
+
+@styled
+def write_figures(
+    directory: Path | str,
+    biped: FrontalBiped,
+    gait: Gait | None,
+    trajectory: Trajectory | None = None,
+    formats: Sequence[str] = ("svg", "png"),
+) -> list[Path]:
+    """Write every figure; each file appears whole or not at all.
+
+    Args:
+        directory: made if absent; files of the same names are replaced.
+        biped: the robot.
+        gait: the gait; None: there are no energy figures.
+        trajectory: the run; None: the periodic orbit of the gait.
+        formats: of `FORMATS`.
+
+    Returns:
+        The files written.
+    """
+    written = []
+    for name, figure in all_figures(biped, gait, trajectory):
+        written += write_figure(directory, name, figure, formats)
+    return written
+
+
+@styled
+def write_figure(
+    directory: Path | str, name: str, figure: "Figure", formats: Sequence[str] = ("svg", "png")
+) -> list[Path]:
+    """Write one figure in some of `FORMATS`; returns the files."""
+    files = [Path(directory) / f"{name}.{kind}" for kind in formats]
+    for kind, file in zip(formats, files, strict=True):
+        if kind == "svg":
+            write_text(file, figure_svg(figure) + "\n")
+            continue
+        with atomic_path(file) as temporary:
+            # no date: equal figures, equal bytes
+            figure.savefig(temporary, format=kind, dpi=300, metadata={"CreationDate": None} if kind == "pdf" else None)
+    return files

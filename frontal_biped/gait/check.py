@@ -1,0 +1,170 @@
+"""Check a gait against C01 to C09 on a dense grid, far from the optimiser."""
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.gait.constraints import Constraint, SoleHeights, step_constraints
+from frontal_biped.gait.specification import GaitSpecification
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.zero_dynamics.orbit import PhaseOrbit, resample
+from frontal_biped.zero_dynamics.poincare import Landing, StepOrbit
+
+DENSE_POINTS = 641
+"""Points a phase of the check; the optimiser has 16 nodes, so the grid is 40 times denser."""
+
+FLAT_TOLERANCE = 1e-9
+"""Height [m] at which a sole end counts as on the ground at impact (C04)."""
+
+ROUNDING = 1e-9
+"""Scaled violation that counts as rounding; needed where a bound is met exactly, as by step_width = [0.3, 0.3]."""
+
+
+@dataclass(frozen=True)
+class ConstraintCheck:
+    """One line of the report: the worst point of one constraint.
+
+    Attributes:
+        code: C01..C09, or a key of the specification.
+        name: what is bounded.
+        unit: of value and bound.
+        value: at the worst point.
+        bound: the nearer bound.
+        margin: distance to it, positive inside.
+        scale: a typical size of the quantity.
+        satisfied: margin >= 0 but for rounding, or > 0 where the bound itself is excluded.
+    """
+
+    code: str
+    name: str
+    unit: str
+    value: float
+    bound: float
+    margin: float
+    scale: float
+    satisfied: bool
+
+
+@dataclass(frozen=True)
+class ConstraintReport:
+    """All constraints of a specification on one gait.
+
+    Attributes:
+        checks: one per constraint.
+        points: grid points a phase.
+    """
+
+    checks: tuple[ConstraintCheck, ...]
+    points: int
+
+    @property
+    def satisfied(self) -> bool:
+        """Do all constraints hold?"""
+        return all(check.satisfied for check in self.checks)
+
+    @property
+    def shortfall(self) -> dict[tuple[str, str], float]:
+        """Scaled violations by code and name, for `DesignProblem.tighten`."""
+        return {(check.code, check.name): -check.margin / check.scale for check in self.violated}
+
+    @property
+    def violated(self) -> tuple[ConstraintCheck, ...]:
+        """Those that do not, the worst first."""
+        missed = [check for check in self.checks if not check.satisfied]
+        return tuple(sorted(missed, key=lambda check: check.margin / check.scale))
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "satisfied": self.satisfied,
+            "grid_points_per_phase": self.points,
+            "checks": [asdict(check) for check in self.checks],
+        }
+
+    def __str__(self) -> str:
+        lines = [f"{'':15} {'constraint':43} {'value':>12} {'bound':>10} {'margin':>11}"]
+        for c in self.checks:
+            mark = "" if c.satisfied else "  VIOLATED"
+            lines.append(f"{c.code:15} {c.name:43} {c.value:12.6g} {c.bound:10.4g} {c.margin:11.3g} {c.unit}{mark}")
+        return "\n".join(lines)
+
+
+def check_constraints(
+    biped: FrontalBiped,
+    specification: GaitSpecification,
+    rising: Phase,
+    falling: Phase,
+    step: StepOrbit,
+    points: int = DENSE_POINTS,
+    departure: Landing | None = None,
+) -> ConstraintReport:
+    """Evaluate every constraint on a grid of ``points`` a phase, uniform in tau from the reversal to the impact.
+
+    Args:
+        biped: the robot.
+        specification: the bounds.
+        rising: virtual constraints of the rising phase.
+        falling: virtual constraints of the falling phase.
+        step: the step on converged quadrature nodes.
+        points: of the grid, both ends included.
+        departure: the impact that the step begins with, where it is not the one it ends with.
+    """
+    constraints = dense_constraints(biped, specification, rising, falling, step, points, departure)
+    checks = [_worst(constraint) for constraint in constraints]
+    ends = biped.swing_sole(step.falling.motion.q[-1])[:, 1]
+    flat = float(np.max(np.abs(ends)))
+    on_ground = ConstraintCheck(
+        "C04",
+        "both sole ends on the ground at impact",
+        "m",
+        flat,
+        FLAT_TOLERANCE,
+        FLAT_TOLERANCE - flat,
+        FLAT_TOLERANCE,
+        flat <= FLAT_TOLERANCE,
+    )
+    first_c04 = next(i for i, check in enumerate(checks) if check.code == "C04")
+    checks.insert(first_c04, on_ground)
+    return ConstraintReport(tuple(checks), points)
+
+
+def dense_constraints(
+    biped: FrontalBiped,
+    specification: GaitSpecification,
+    rising: Phase,
+    falling: Phase,
+    step: StepOrbit,
+    points: int = DENSE_POINTS,
+    departure: Landing | None = None,
+) -> list[Constraint]:
+    """The constraints of a step on a uniform grid in tau."""
+    tau = np.linspace(0.0, 1.0, points)
+    up = resample(biped, rising, step.rising, tau)
+    down = resample(biped, falling, step.falling, tau)
+    soles = SoleHeights(_soles(biped, up), _soles(biped, down))
+    # the duration is an integral and keeps the accuracy of the quadrature
+    dense = step._replace(rising=up, falling=down)
+    return step_constraints(biped, specification, dense, soles, step.duration, departure)
+
+
+def _soles(biped: FrontalBiped, orbit: PhaseOrbit) -> FloatArray:
+    return np.array([biped.swing_sole(q)[:, 1] for q in orbit.motion.q]).T
+
+
+def _worst(constraint: Constraint) -> ConstraintCheck:
+    values = np.atleast_1d(constraint.values)
+    candidates = []
+    for bound, sign in ((constraint.lower, 1.0), (constraint.upper, -1.0)):
+        if bound is not None:
+            margins = sign * (values - bound)
+            # nan, where the orbit does not exist, is the worst of all
+            worst = int(np.argmin(np.where(np.isnan(margins), -np.inf, margins)))
+            candidates.append((float(margins[worst]) + 0.0, float(values[worst]), float(bound)))  # + 0.0: no -0
+    margin, value, bound = min(candidates, key=lambda row: -np.inf if np.isnan(row[0]) else row[0])
+    rounding = ROUNDING * constraint.scale
+    satisfied = margin > 0.0 if constraint.strict else margin >= -rounding
+    code, name, unit, scale = constraint.code, constraint.name, constraint.unit, constraint.scale
+    return ConstraintCheck(code, name, unit, value, bound, margin, scale, bool(satisfied))

@@ -1,0 +1,168 @@
+"""The gait file (JSON): written whole or not at all, read field by field."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.exceptions import GaitFileError
+from frontal_biped.files.atomic import write_text
+from frontal_biped.files.toml import as_finite
+from frontal_biped.gait.gait import Gait, OrbitNumbers, RobotReference
+from frontal_biped.virtual_constraints.phase import Phase
+
+FORMAT, VERSION = "frontal-biped-gait", 1
+
+
+def save_gait(gait: Gait, path: Path | str) -> None:
+    """Write a gait file (JSON); numbers round-trip exactly, and the file appears whole or not at all."""
+    write_text(Path(path), json.dumps(gait_to_dict(gait), indent=1, allow_nan=False) + "\n")
+
+
+def gait_to_dict(gait: Gait) -> dict[str, Any]:
+    """Content of a gait file."""
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "robot": asdict(gait.robot),
+        "rising": _phase_to_dict(gait.rising),
+        "falling": _phase_to_dict(gait.falling),
+        "step_width": gait.step_width,
+        "orbit": asdict(gait.orbit),
+        "specification": dict(gait.specification),
+        "provenance": dict(gait.provenance),
+    }
+
+
+def load_gait(path: Path | str) -> Gait:
+    """Read a gait file.
+
+    Raises:
+        GaitFileError: the file is missing, not JSON, of another format or version, or a field is absent, unknown, of
+            the wrong type or shape, or not finite. The message names file, field, value and remedy.
+    """
+    return gait_from_dict(_load_json(Path(path)), str(path))
+
+
+def gait_from_dict(table: Any, where: str) -> Gait:
+    """Gait from the content of a gait file; ``where`` begins every complaint.
+
+    Raises:
+        GaitFileError: as `load_gait`.
+    """
+    if not isinstance(table, dict) or table.get("format") != FORMAT:
+        raise GaitFileError(
+            f'{where}: not a gait file, "format" is not {FORMAT!r}; write one with `frontal-biped design`'
+        )
+    if isinstance(table.get("version"), bool) or table.get("version") != VERSION:  # JSON's true equals 1 in Python
+        raise GaitFileError(
+            f'{where}: "version" is {table.get("version")!r}, this program reads {VERSION}; design it again'
+        )
+    reader = _Reader(where)
+    known = ("format", "version", "robot", "rising", "falling", "step_width", "orbit", "specification", "provenance")
+    reader.no_others("", table, known)
+    robot = reader.table(table, "robot", ("name", "description", "fingerprint"))
+    orbit = reader.table(table, "orbit", tuple(OrbitNumbers.__dataclass_fields__))
+    rising, falling = (reader.phase(table, name) for name in ("rising", "falling"))
+    if not rising.beta_start < rising.beta_end:
+        raise GaitFileError(f"{where}: rising: beta_start must be below beta_end, rising means dbeta > 0")
+    if not falling.beta_start > falling.beta_end:
+        raise GaitFileError(f"{where}: falling: beta_start must be above beta_end, falling means dbeta < 0")
+    step_width = reader.number(table, "", "step_width")
+    if step_width <= 0.0:
+        raise GaitFileError(f"{where}: step_width = {step_width:g} m must be positive")
+    return Gait(
+        RobotReference(*(reader.text(robot, "robot", key) for key in ("name", "description", "fingerprint"))),
+        rising,
+        falling,
+        step_width,
+        OrbitNumbers(*(reader.number(orbit, "orbit", key) for key in OrbitNumbers.__dataclass_fields__)),
+        reader.table(table, "specification", None),
+        reader.table(table, "provenance", None),
+    )
+
+
+def _phase_to_dict(phase: Phase) -> dict[str, Any]:
+    return {
+        "beta_start": phase.beta_start,
+        "beta_end": phase.beta_end,
+        "joint_bezier": phase.joint_bezier.tolist(),
+        "fri_bezier": phase.fri_bezier.tolist(),
+    }
+
+
+def _load_json(path: Path) -> Any:
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise GaitFileError(
+            f"{path}: no such gait file; write one with `frontal-biped design -o {path.name}`"
+        ) from None
+    except IsADirectoryError:
+        raise GaitFileError(f"{path}: a directory; name the gait file in it") from None
+    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise GaitFileError(f"{path}: not valid JSON, {error}; is the file cut off? design the gait again") from None
+
+
+class _Reader:
+    """Checked access to the fields of a gait file; every complaint names file, field and value."""
+
+    def __init__(self, where: str) -> None:
+        self.where = where
+
+    def no_others(self, section: str, table: dict[str, Any], known: tuple[str, ...]) -> None:
+        for key in table:
+            if key not in known:
+                place = f"{section}: " if section else ""
+                raise GaitFileError(f"{self.where}: {place}unknown field {key!r}; known fields: {', '.join(known)}")
+
+    def table(self, parent: dict[str, Any], key: str, known: tuple[str, ...] | None) -> dict[str, Any]:
+        if not isinstance(parent.get(key), dict):
+            raise GaitFileError(f"{self.where}: field {key!r} is missing or not an object; design the gait again")
+        table: dict[str, Any] = parent[key]
+        if known is not None:
+            self.no_others(key, table, known)
+        return table
+
+    def text(self, table: dict[str, Any], section: str, key: str) -> str:
+        if not isinstance(table.get(key), str):
+            raise GaitFileError(f"{self.where}: {section}.{key} = {table.get(key)!r} is not text")
+        return str(table[key])
+
+    def number(self, table: dict[str, Any], section: str, key: str) -> float:
+        name = f"{section}.{key}" if section else key
+        value = as_finite(table.get(key))
+        if value is None:
+            raise GaitFileError(f"{self.where}: {name} = {_short(table.get(key))} is not a finite number")
+        return value
+
+    def phase(self, table: dict[str, Any], name: str) -> Phase:
+        fields = self.table(table, name, ("beta_start", "beta_end", "joint_bezier", "fri_bezier"))
+        joints, fri = self.array(fields, name, "joint_bezier"), self.array(fields, name, "fri_bezier")
+        if joints.ndim != 2 or joints.shape[0] != 3 or joints.shape[1] < 4:
+            raise GaitFileError(
+                f"{self.where}: {name}.joint_bezier has shape {joints.shape}, not 3 rows (stance hip, swing hip,"
+                " swing ankle) of at least 4 coefficients"
+            )
+        if fri.ndim != 1 or fri.size < 2:
+            raise GaitFileError(f"{self.where}: {name}.fri_bezier has shape {fri.shape}, not one row of at least 2")
+        return Phase(self.number(fields, name, "beta_start"), self.number(fields, name, "beta_end"), joints, fri)
+
+    def array(self, table: dict[str, Any], section: str, key: str) -> FloatArray:
+        name = f"{self.where}: {section}.{key}"
+        value = table.get(key)
+        rows = value if isinstance(value, list) else []
+        nested = [row if isinstance(row, list) else [row] for row in rows]
+        if not rows or len({(isinstance(row, list), len(flat)) for row, flat in zip(rows, nested, strict=True)}) != 1:
+            raise GaitFileError(f"{name} is not an array of numbers with rows of equal length")
+        for entry in (entry for flat in nested for entry in flat):
+            if as_finite(entry) is None:
+                raise GaitFileError(f"{name} holds {_short(entry)}, which is not a finite number; write plain numbers")
+        return np.array(rows, dtype=float)
+
+
+def _short(value: object) -> str:
+    return repr(value)[:40]

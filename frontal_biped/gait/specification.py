@@ -1,0 +1,172 @@
+"""Gait specification: the constraints C01..C09 as data ([O] Sec. IV-A)."""
+
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from frontal_biped.exceptions import SpecificationError
+from frontal_biped.files.toml import finite_number, load_toml, reject_unknown_keys
+from frontal_biped.model.biped import FrontalBiped
+
+
+@dataclass(frozen=True)
+class GaitSpecification:
+    """What a gait must satisfy; every key of a specification file, in SI units and radians.
+
+    Attributes:
+        degree: degree M of the joint polynomials, at least 3; or one for each of stance hip, swing hip, swing ankle.
+        fri_degree: degree of the FRI polynomials, at least 1.
+        friction: coefficient of friction [-] (C06, C07).
+        min_normal_force: smallest normal force, as a fraction of the weight [-] (C06).
+        fri_margin: distance of the FRI from the ends of the sole [m] (C06).
+        swing_clearance: height of both sole ends at the reversal [m]; towards lift-off and impact it falls with
+            1 - t2, t2 = (beta_r- - beta)/(beta_r- - beta_impact) (C05).
+        touchdown_speed: both sole ends descend at least this fast at impact [m/s] (C04).
+        min_phase_range: smallest range of beta in either phase [rad] (C02).
+        step_duration: shortest and longest step [s] (C09).
+        step_width: smallest and largest distance between the ankles, L_s [m].
+        max_pelvis_roll: largest rotation of the pelvis [rad]; None: free.
+        max_foot_rotation: largest rotation of the swing foot from flat [rad]; None: free.
+        max_torque: torque limits of stance ankle, stance hip, swing hip, swing ankle [N m]; None: the robot's.
+        max_multiplier: largest multiplier of the return map, below 1 [-]; None: 1 (C01).
+        min_energy_margin: energy that may be added after the impact before the robot tips outwards, over the energy
+            of the orbit [-]; None: free. See `design.constraints.energy_margin`.
+        max_reversal_shift: displacement of the reversal by 1 % of post-impact speed [rad]; None: free. See
+            `design.constraints.reversal_shift`.
+        seed: of everything random.
+
+    Raises:
+        SpecificationError: a value is out of range; the message names key and value.
+    """
+
+    degree: int | tuple[int, int, int] = 5
+    fri_degree: int = 3
+    friction: float = 0.6
+    min_normal_force: float = 0.1
+    fri_margin: float = 0.005
+    swing_clearance: float = 0.01
+    touchdown_speed: float = 0.05
+    min_phase_range: float = 0.02
+    step_duration: tuple[float, float] = (0.4, 0.8)
+    step_width: tuple[float, float] = (0.15, 0.35)
+    max_pelvis_roll: float | None = None
+    max_foot_rotation: float | None = None
+    max_torque: tuple[float, float, float, float] | None = None
+    max_multiplier: float | None = None
+    min_energy_margin: float | None = None
+    max_reversal_shift: float | None = None
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        degrees = self.degree if isinstance(self.degree, tuple | list) else (self.degree,)
+        if len(degrees) not in (1, 3):
+            raise SpecificationError(f"degree = {list(degrees)} is neither one number nor a list of 3, one an output")
+        for degree in degrees:
+            _whole("degree", degree, *_DEGREES)
+        if isinstance(self.degree, list):
+            object.__setattr__(self, "degree", tuple(self.degree))
+        _whole("fri_degree", self.fri_degree, 1, 12)
+        _whole("seed", self.seed, 0, 2**63 - 1)
+        for key, positive in _NUMBERS.items():
+            value = finite_number(key, getattr(self, key), SpecificationError)
+            if value < 0.0 or (positive and value == 0.0):
+                raise SpecificationError(f"{key} = {value:g} must {'be positive' if positive else 'not be negative'}")
+            object.__setattr__(self, key, value)
+        for key in ("step_duration", "step_width"):
+            low_high = _tuple(key, getattr(self, key), 2)
+            if not 0.0 < low_high[0] <= low_high[1]:
+                raise SpecificationError(
+                    f"{key} = {list(low_high)} is not a range; write [smallest, largest], both positive"
+                )
+            object.__setattr__(self, key, low_high)
+        if self.max_pelvis_roll is not None:
+            roll = finite_number("max_pelvis_roll", self.max_pelvis_roll, SpecificationError)
+            if not 0.0 < roll <= 0.5 * np.pi:
+                raise SpecificationError(
+                    f"max_pelvis_roll = {roll:g} rad is not in (0, pi/2]; it is an angle in radians"
+                )
+            object.__setattr__(self, "max_pelvis_roll", roll)
+        if self.max_torque is not None:
+            torque = _tuple("max_torque", self.max_torque, 4)
+            if min(torque) <= 0.0:
+                raise SpecificationError(f"max_torque = {list(torque)}: every limit must be positive")
+            object.__setattr__(self, "max_torque", torque)
+
+        for key, most in _OPTIONAL.items():
+            if getattr(self, key) is not None:
+                value = finite_number(key, getattr(self, key), SpecificationError)
+                if not 0.0 < value < most:
+                    raise SpecificationError(f"{key} = {value:g} is not in (0, {most:g})")
+                object.__setattr__(self, key, value)
+
+    @property
+    def degrees(self) -> tuple[int, int, int]:
+        """Degree of each output: stance hip, swing hip, swing ankle."""
+        return self.degree if isinstance(self.degree, tuple) else (self.degree, self.degree, self.degree)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Keys and values as they stand in a file; keys that are None are left out."""
+        plain = {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(self).items()}
+        return {key: value for key, value in plain.items() if value is not None}
+
+    @classmethod
+    def from_dict(cls, table: dict[str, Any], where: str = "specification") -> "GaitSpecification":
+        """Specification from keys and values; unknown keys and bad values raise `SpecificationError`."""
+        reject_unknown_keys(where, table, [field.name for field in fields(cls)], SpecificationError)
+        try:
+            values: dict[str, Any] = {key: tuple(v) if isinstance(v, list) else v for key, v in table.items()}
+            return cls(**values)
+        except SpecificationError as error:
+            raise SpecificationError(f"{where}: {error}") from None
+
+
+def read_specification(path: Path) -> GaitSpecification:
+    """Read a specification file (TOML); every key is optional.
+
+    Raises:
+        SpecificationError: the file is missing or malformed, a key is unknown, a value of the wrong type or range.
+    """
+    return GaitSpecification.from_dict(load_toml(path, SpecificationError), str(path))
+
+
+def default_specification(biped: FrontalBiped) -> GaitSpecification:
+    """The specification that suits a robot: the ``[gait]`` table of its description, defaults where it says nothing.
+
+    Raises:
+        SpecificationError: the table has an unknown key, or a value of the wrong type or range.
+    """
+    return GaitSpecification.from_dict(dict(biped.description.gait), f"{biped.path}: [gait]")
+
+
+_DEGREES = (3, 12)  # below 3 the determined columns meet; above 12 the basis is too ill-conditioned to help
+
+# key: open upper end of its range
+_OPTIONAL = {
+    "max_foot_rotation": 0.5 * np.pi,
+    "max_multiplier": 1.0,
+    "min_energy_margin": np.inf,
+    "max_reversal_shift": 0.5 * np.pi,
+}
+
+# key: must it be strictly positive?
+_NUMBERS = {
+    "friction": True,
+    "min_normal_force": False,
+    "fri_margin": False,
+    "swing_clearance": False,
+    "touchdown_speed": False,
+    "min_phase_range": True,
+}
+
+
+def _whole(key: str, value: object, low: int, high: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
+        raise SpecificationError(f"{key} = {value!r} is not a whole number from {low} to {high}")
+
+
+def _tuple(key: str, value: object, size: int) -> tuple[Any, ...]:
+    if not isinstance(value, list | tuple) or len(value) != size:
+        raise SpecificationError(f"{key} = {value!r} is not a list of {size} numbers")
+    return tuple(finite_number(f"{key}[{i}]", part, SpecificationError) for i, part in enumerate(value))

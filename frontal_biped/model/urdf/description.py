@@ -1,0 +1,185 @@
+"""Robot description: the TOML file beside a URDF that says which joints roll and how wide the soles are."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from frontal_biped.exceptions import HypothesisError, RobotError
+from frontal_biped.files.toml import finite_number, load_toml, reject_unknown_keys
+from frontal_biped.model.urdf.packages import resolve_urdf
+
+ROLL_JOINTS = ("left_ankle", "left_hip", "right_hip", "right_ankle")
+"""The four roll joints in the order in which the paper's open chain passes them from left to right."""
+
+
+KEYS = ("name", "urdf", "symmetrise", "joints", "base", "posture", "sole", "limits", "armature", "gait")
+"""Keys and sections of a description file."""
+
+
+@dataclass(frozen=True)
+class Sole:
+    """Sole of one foot; the other is its mirror image.
+
+    Attributes:
+        inner: extent from the ankle towards the other foot [m].
+        outer: extent from the ankle away from the other foot [m].
+        ankle_height: height of the ankle joint above the sole [m].
+    """
+
+    inner: float
+    outer: float
+    ankle_height: float = 0.0
+
+
+@dataclass(frozen=True)
+class RobotDescription:
+    """What a description file says.
+
+    Attributes:
+        name: what `robots` lists.
+        urdf: the URDF file.
+        joints: URDF joint name of each of the four roll joints, keyed by `ROLL_JOINTS`.
+        posture: angle [rad] of joints that are not zero at the reference posture.
+        sole: sole of one foot.
+        ankle_torque: ankle torque limit [N m]; None: the URDF's effort limit.
+        hip_torque: hip torque limit [N m]; None: the URDF's effort limit.
+        base_rpy: roll, pitch, yaw [rad] of the root link at the reference posture, X forward, Y left, Z up.
+        symmetrise: average legs that differ; otherwise they are refused.
+        ankle_armature: reflected rotor inertia of the ankles [kg m^2], which a URDF cannot tell.
+        hip_armature: of the hips [kg m^2].
+        gait: keys of a gait specification that suit the robot, for `default_specification`.
+        path: where the description was read.
+    """
+
+    name: str
+    urdf: Path
+    joints: Mapping[str, str]
+    posture: Mapping[str, float]
+    sole: Sole
+    ankle_torque: float | None
+    hip_torque: float | None
+    path: Path
+    base_rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    symmetrise: bool = False
+    ankle_armature: float = 0.0
+    hip_armature: float = 0.0
+    gait: Mapping[str, Any] = field(default_factory=dict)
+
+    def fingerprint(self, urdf_text: str) -> str:
+        """SHA-256 of the URDF text and of everything in the description that shapes the model."""
+        shape: dict[str, Any] = {
+            "joints": dict(self.joints),
+            "posture": dict(self.posture),
+            "sole": asdict(self.sole),
+            "limits": [self.ankle_torque, self.hip_torque],
+        }
+        # keys that came later enter only where they are used: fingerprints of gaits already designed stay valid
+        if self.symmetrise:
+            shape["symmetrise"] = True
+        if any(self.base_rpy):
+            shape["base"] = list(self.base_rpy)
+        if self.ankle_armature or self.hip_armature:
+            shape["armature"] = [self.ankle_armature, self.hip_armature]
+        content = json.dumps(shape, sort_keys=True)
+        return hashlib.sha256((content + urdf_text).encode()).hexdigest()
+
+
+def read_description(path: Path) -> RobotDescription:
+    """Read and check a robot description file.
+
+    Args:
+        path: the ``.toml`` file.
+
+    Returns:
+        The description; the URDF path is resolved but not opened.
+
+    Raises:
+        RobotError: the file is missing or malformed, or a key is unknown, absent or of the wrong type.
+    """
+    table = load_toml(path, RobotError)
+    reject_unknown_keys(str(path), table, KEYS, RobotError)
+    joints = _section(path, table, "joints", ROLL_JOINTS)
+    sole = _section(path, table, "sole", ("inner", "outer", "ankle_height"))
+    limits = _section(path, table, "limits", ("ankle_torque", "hip_torque"))
+    posture = _section(path, table, "posture", None)
+    base = _section(path, table, "base", ("rpy",))
+    armature = _section(path, table, "armature", ("ankle", "hip"))
+    symmetrise = table.get("symmetrise", False)
+    if not isinstance(symmetrise, bool):
+        raise RobotError(f"{path}: symmetrise = {symmetrise!r} is neither true nor false; write symmetrise = true")
+    names = {key: _text(path, joints, "joints", key) for key in ROLL_JOINTS}
+    if len(set(names.values())) != len(ROLL_JOINTS):
+        raise RobotError(f"{path}: [joints] names one joint twice; the four roll joints are different joints")
+    urdf = _text(path, table, "", "urdf")
+    return RobotDescription(
+        name=_text(path, table, "", "name"),
+        urdf=resolve_urdf(f"{path}: urdf", urdf, path.parent),
+        joints=names,
+        posture={key: finite_number(f"{path}: [posture] {key}", value, RobotError) for key, value in posture.items()},
+        sole=Sole(
+            inner=_positive(path, sole, "sole", "inner"),
+            outer=_positive(path, sole, "sole", "outer"),
+            ankle_height=_not_negative(path, sole, "sole", "ankle_height"),
+        ),
+        ankle_torque=_positive(path, limits, "limits", "ankle_torque") if "ankle_torque" in limits else None,
+        hip_torque=_positive(path, limits, "limits", "hip_torque") if "hip_torque" in limits else None,
+        path=path,
+        base_rpy=_rpy(path, base),
+        symmetrise=symmetrise,
+        ankle_armature=_not_negative(path, armature, "armature", "ankle"),
+        hip_armature=_not_negative(path, armature, "armature", "hip"),
+        gait=_section(path, table, "gait", None),
+    )
+
+
+def _section(path: Path, table: dict[str, Any], name: str, known: tuple[str, ...] | None) -> dict[str, Any]:
+    section = table.get(name, {})
+    if not isinstance(section, dict):
+        raise RobotError(f"{path}: {name} = {section!r} is not a table; write [{name}] and its keys below it")
+    if known is not None:
+        reject_unknown_keys(f"{path}: [{name}]", section, known, RobotError)
+    return section
+
+
+def _text(path: Path, table: dict[str, Any], section: str, key: str) -> str:
+    where = f"{path}: [{section}] {key}" if section else f"{path}: {key}"
+    if key not in table:
+        raise RobotError(f'{where} is missing; add {key} = "..."')
+    value = table[key]
+    if not isinstance(value, str) or not value or not value.isprintable():
+        raise RobotError(f'{where} = {value!r} is not text; write {key} = "..."')
+    return value
+
+
+def _positive(path: Path, table: dict[str, Any], section: str, key: str) -> float:
+    where = f"{path}: [{section}] {key}"
+    if key not in table:
+        # a foot of nonzero length is part of the robot, so there is no default
+        raise HypothesisError("HR5", f"{where} is missing; give the extent of the sole in metres")
+    value = finite_number(where, table[key], RobotError)
+    if value <= 0.0:
+        message = f"{where} = {value:g} must be positive; give its true value"
+        raise HypothesisError("HR5", message) if section == "sole" else RobotError(message)
+    return value
+
+
+def _not_negative(path: Path, table: dict[str, Any], section: str, key: str) -> float:
+    where = f"{path}: [{section}] {key}"
+    value = finite_number(where, table.get(key, 0.0), RobotError)
+    if value < 0.0:
+        if section == "sole":
+            raise HypothesisError("HR5", f"{where} = {value:g} must not be negative; measure it upwards from the sole")
+        raise RobotError(f"{where} = {value:g} must not be negative; give its true value")
+    return value
+
+
+def _rpy(path: Path, base: dict[str, Any]) -> tuple[float, float, float]:
+    value = base.get("rpy", [0.0, 0.0, 0.0])
+    where = f"{path}: [base] rpy"
+    if not isinstance(value, list) or len(value) != 3:
+        raise RobotError(f"{where} = {value!r} is not a list of three angles; write rpy = [0.0, 0.0, 0.0]")
+    roll, pitch, yaw = (finite_number(where, angle, RobotError) for angle in value)
+    return roll, pitch, yaw

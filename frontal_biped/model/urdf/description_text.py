@@ -1,0 +1,60 @@
+"""Write a robot description: the text of the TOML file that `read_description` reads."""
+
+import json
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from frontal_biped.model.urdf.description import ROLL_JOINTS, RobotDescription
+
+
+def description_text(
+    description: RobotDescription, urdf: str, notes: Iterable[str] = (), comments: Mapping[str, str] | None = None
+) -> str:
+    """Text of a description file.
+
+    Args:
+        description: what to write; a sole with extents of zero is unknown and written as a comment to fill in.
+        urdf: what the key ``urdf`` says.
+        notes: comment lines at the top.
+        comments: by section, a comment beside its header.
+    """
+    beside = comments or {}
+
+    def head(section: str) -> str:
+        return f"[{section}]  # {beside[section]}" if section in beside else f"[{section}]"
+
+    lines = [f"# {' '.join(note.split())}" for note in notes]  # a joint's name may hold a line break, a comment not
+    lines += [f"name = {_value(description.name)}", f"urdf = {_value(urdf)}"]
+    if description.symmetrise:
+        lines.append("symmetrise = true" + (f"  # {beside['symmetrise']}" if "symmetrise" in beside else ""))
+    lines += ["", head("joints"), *(f"{key} = {_value(description.joints[key])}" for key in ROLL_JOINTS)]
+    if any(description.base_rpy):
+        lines += ["", head("base"), f"rpy = {_value(list(description.base_rpy))}"]
+    if description.posture:
+        lines += ["", head("posture"), *(f"{_key(k)} = {_value(v)}" for k, v in description.posture.items())]
+    sole = description.sole
+    measured = sole.inner > 0.0 and sole.outer > 0.0
+    mark = "" if measured else "# "
+    lines += ["", head("sole")]
+    for key, value in (("inner", sole.inner), ("outer", sole.outer), ("ankle_height", sole.ankle_height)):
+        lines.append(f"{mark}{key} = {_value(value)}" if measured else f"# {key} = ?")
+    limits = {"ankle_torque": description.ankle_torque, "hip_torque": description.hip_torque}
+    if any(value is not None for value in limits.values()):
+        lines += ["", head("limits"), *(f"{key} = {_value(v)}" for key, v in limits.items() if v is not None)]
+    if description.ankle_armature or description.hip_armature:
+        armature = {"ankle": description.ankle_armature, "hip": description.hip_armature}
+        lines += ["", head("armature"), *(f"{key} = {_value(value)}" for key, value in armature.items())]
+    if description.gait:
+        lines += ["", head("gait"), *(f"{key} = {_value(value)}" for key, value in description.gait.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _value(value: Any) -> str:
+    # JSON's strings, numbers and lists are TOML's, all characters but ASCII escaped
+    if isinstance(value, tuple):
+        value = list(value)
+    return json.dumps(value)
+
+
+def _key(key: str) -> str:
+    return key if key.replace("_", "").replace("-", "").isalnum() and key.isascii() else json.dumps(key)

@@ -1,0 +1,1 @@
+"""Numerical methods without a robot in them: quadrature, Chebyshev fits, least distance, quadratic programs."""

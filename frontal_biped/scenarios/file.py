@@ -1,0 +1,338 @@
+"""Read a scenario file. Short and readable; every key has a default but ``expect``'s bounds, which are then not asked.
+
+name = "push"                          # default: the file's name
+about = "a push at the reversal"       # one line for reports
+robot = "frontal_biped"                # a name, or a description or URDF file beside this one
+gait = "robust"                        # a packaged specification, a gait or specification file, or [gait] with keys
+simulator = "mujoco"                   # or "ours"
+controller = "walker"                  # or "qp", or "module:factory", or [controller] with keys
+steps = 30
+seed = 0
+repeat = 1
+
+[controller]
+type = "walker"
+stabiliser = "adaptive"
+period = 0.001                         # s
+frequency = 100.0                      # and every other key of ControllerSettings
+arguments = {gain = 2.0}               # of the user's own factory
+
+[model]                                # how the true robot differs from the one the controller knows
+mass = {within = 0.2}                  # every link drawn on its own; or 1.1; or {pelvis = 1.1, within = 0.05}
+com = {pelvis = [0.01, 0.02]}          # (y, z), m
+inertia = 1.2
+length = {left_leg = 1.01}
+
+[disturbances]                         # keys of Disturbances; numbers may be ranges
+encoder_noise = 1e-4                   # rad
+friction = {from = 0.3, to = 0.9}
+
+[[push]]
+at = "reversal of step 5"              # or "impact of step 5", "30 % of the rising phase of step 5"; or time = 1.2
+impulse = 6.0                          # N s, to the robot's left
+duration = 0.05                        # s
+
+[expect]                               # see Expectations; without a fall in any case
+output_error = 0.05                    # rad
+"""
+
+import re
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from frontal_biped.control.settings import ControllerSettings
+from frontal_biped.control.stabilisers.by_name import STABILISERS
+from frontal_biped.exceptions import ScenarioError
+from frontal_biped.files.table import Table
+from frontal_biped.files.toml import load_toml
+from frontal_biped.model.perturbation import LEGS, LINKS, ModelErrors
+from frontal_biped.model.stance_map import Stance
+from frontal_biped.scenarios.scenario import (
+    CONTROLLERS,
+    SIMULATORS,
+    ControllerChoice,
+    Expectations,
+    ModelPlan,
+    Moment,
+    PushPlan,
+    Scenario,
+)
+from frontal_biped.simulation.pushes import PROFILES
+
+KEYS = (
+    "name", "about", "robot", "gait", "simulator", "controller", "steps", "seed", "repeat", "stance", "speed_error",
+    "slow", "flat_landing", "model", "disturbances", "push", "expect",
+)  # fmt: skip
+"""Keys and sections of a scenario file."""
+
+MOST_STEPS, MOST_TRIALS = 100_000, 1_000_000
+
+_AT = re.compile(
+    r"(?:(?P<event>impact|reversal)|(?P<percent>\d+(?:\.\d+)?) ?% of the (?P<phase>rising|falling) phase)"
+    r" of step (?P<step>\d+)"
+)
+_FACTORY = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
+
+# key: least and largest value, unit
+_DISTURBANCES = {
+    "encoder_noise": (0.0, 0.1, "rad"),
+    "quantisation": (0.0, 0.1, "rad"),
+    "imu_noise": (0.0, 0.1, "rad"),
+    "gyro_noise": (0.0, 10.0, "rad/s"),
+    "torque_noise": (0.0, 1.0, "(relative)"),
+    "delay": (0.0, 0.1, "s"),
+    "friction": (0.01, 10.0, "(coefficient)"),
+    "ground_height": (0.0, 0.1, "m"),
+}
+_EXPECTED = {
+    "output_error": (1e-12, np.pi, "rad"),
+    "torque": (1e-6, 1.0, "(share of the limits)"),
+    "friction": (1e-3, 10.0, "(coefficient)"),
+    "fri_margin": (-1.0, 1.0, "m"),
+    "step_time_error": (1e-9, 1.0, "(relative)"),
+    "speed_error": (1e-9, 1.0, "(relative)"),
+    "foot_slip": (1e-9, 1.0, "m"),
+    "foot_rotation": (1e-9, 1.5, "rad"),
+}
+
+
+def load_scenario(path: Path | str) -> Scenario:
+    """Read and check a scenario file (TOML).
+
+    Raises:
+        ScenarioError: the file is missing or malformed, a key is unknown, a value is of the wrong type or out of range,
+            or parts do not go together; one line with file, field, value and remedy.
+    """
+    path = Path(path)
+    table = Table(f"{path}:", load_toml(path, ScenarioError), KEYS)
+    default = path.name.removesuffix(".toml").removesuffix(".scenario")
+    name = table.text("name", default)
+    if not re.fullmatch(r"\w[\w .,+-]*", name):
+        table.refuse("name", "not a name for a file; use letters, digits, spaces and -")
+    scenario = Scenario(
+        name=name,
+        path=path,
+        about=table.text("about", "") if "about" in table else "",
+        robot=str(_beside(path, table.text("robot", "frontal_biped"))),
+        gait=_gait(path, table),
+        simulator=table.text("simulator", "ours", SIMULATORS),
+        steps=table.whole("steps", 20, 1, MOST_STEPS),
+        seed=table.whole("seed", 0, 0),
+        repeat=table.whole("repeat", 1, 1, MOST_TRIALS),
+        stance=Stance(table.text("stance", "left", ("left", "right"))),
+        speed_error=table.value("speed_error", 0.0, -0.9, 5.0, "(relative)"),
+        slow=table.flag("slow", False),
+        flat_landing=table.number("flat_landing", 0.02, 0.0, 0.5, "rad") if "flat_landing" in table else None,
+        controller=_controller(path, table),
+        model=_model(path, table),
+        disturbances=_disturbances(path, table),
+        pushes=_pushes(path, table),
+        expect=_expectations(path, table),
+    )
+    _check_together(scenario, table)
+    return scenario
+
+
+def _beside(path: Path, text: str) -> Path | str:
+    """A file named relative to the scenario, or a name."""
+    looks_like_file = Path(text).suffix in (".toml", ".urdf", ".json") or "/" in text
+    return path.parent / text if looks_like_file else text
+
+
+def _gait(path: Path, table: Table) -> Path | str | dict[str, Any] | None:
+    if "gait" not in table:
+        return None
+    value = table.content["gait"]
+    if isinstance(value, dict):
+        return dict(value)
+    return _beside(path, table.text("gait", ""))
+
+
+def _controller(path: Path, table: Table) -> ControllerChoice:
+    own = tuple(f.name for f in fields(ControllerSettings))
+    content = table.content.get("controller", {})
+    if isinstance(content, str):
+        content = {"type": content}
+    section = Table(f"{path}: [controller]", content, ("type", "stabiliser", "period", "delay", "arguments", *own))
+    # sensor readings are all that MuJoCo gives
+    kind = section.text("type", "walker" if table.content.get("simulator") == "mujoco" else "qp")
+    if kind not in CONTROLLERS and not _FACTORY.fullmatch(kind):
+        section.refuse("type", f'unknown; write one of {", ".join(CONTROLLERS)}, or "module:factory" of your own')
+    arguments = Table(f"{path}: [controller.arguments]", section.content.get("arguments", {}), None)
+    given = {key: value for key, value in section.content.items() if key in own}
+    if kind in CONTROLLERS and arguments.content:
+        section.refuse("arguments", 'only your own factory takes them; write type = "module:factory"')
+    others = [key for key in (*given, "stabiliser", "delay") if key in section]
+    if kind not in CONTROLLERS and others:
+        key = others[0]
+        section.refuse(key, "your own factory is not asked for it; put it into [controller.arguments]")
+    return ControllerChoice(
+        kind=kind,
+        stabiliser=section.text("stabiliser", "", tuple(STABILISERS)) if "stabiliser" in section else None,
+        period=section.number("period", 1e-3, 1e-5, 0.02, "s"),
+        delay=section.number("delay", 0.0, 0.0, 0.1, "s") if "delay" in section else None,
+        settings={key: _setting(section, key) for key in given},
+        arguments=dict(arguments.content),
+    )
+
+
+def _setting(section: Table, key: str) -> Any:
+    """A key of `ControllerSettings`, of the type that its default has."""
+    default = next(f.default for f in fields(ControllerSettings) if f.name == key)
+    value = section.content[key]
+    if isinstance(value, list):
+        return section.numbers(key, 4, 1e-9, 1e6, "N m")
+    if isinstance(default, bool):
+        return section.flag(key, default)
+    if isinstance(default, int):
+        return section.whole(key, default, 1, 10**6)
+    if isinstance(default, str):
+        return section.text(key, default)
+    return section.number(key, 0.0, 0.0, 1e9, "(not negative)")
+
+
+def _model(path: Path, table: Table) -> ModelPlan:
+    section = Table(f"{path}: [model]", table.content.get("model", {}), ("mass", "com", "inertia", "length"))
+    fixed: dict[str, Any] = {}
+    within: dict[str, float] = {}
+    for key in section.content:
+        links, shifts = (LEGS if key == "length" else LINKS), key == "com"
+        array = np.zeros((len(links), 2)) if shifts else np.ones(len(links))
+        value = section.content[key]
+        if not isinstance(value, dict):
+            if shifts:
+                section.refuse("com", "not a table; write com = {pelvis = [0.01, 0.0]} or {within = 0.02}, (y, z) in m")
+            fixed[key] = np.full(len(links), section.number(key, 1.0, 0.05, 20.0, "(factor)"))
+            continue
+        part = Table(f"{path}: [model] {key}", value, (*links, "within"))
+        for i, link in enumerate(links):
+            if link in part:
+                array[i] = (
+                    part.numbers(link, 2, -1.0, 1.0, "m")
+                    if shifts
+                    else part.number(link, 1.0, 0.05, 20.0, "(factor, 1 for no error)")
+                )
+        fixed[key] = array
+        if "within" in part:
+            most = 1.0 if shifts else 0.9
+            within[key] = part.number("within", 0.0, 0.0, most, "m" if shifts else "(relative)")
+    return ModelPlan(ModelErrors(**fixed), within)
+
+
+def _disturbances(path: Path, table: Table) -> dict[str, Any]:
+    known = (*_DISTURBANCES, "ground", "torque_limits")
+    section = Table(f"{path}: [disturbances]", table.content.get("disturbances", {}), known)
+    found: dict[str, Any] = {}
+    for key in section.content:
+        if key == "ground":
+            found[key] = section.numbers(key, None, -0.1, 0.1, "m")
+        elif key == "torque_limits":
+            found[key] = section.numbers(key, 2, 1e-3, 1e5, "N m: [ankle, hip]")
+        else:
+            low, high, unit = _DISTURBANCES[key]
+            found[key] = section.value(key, low, low, high, unit)
+    return found
+
+
+def _pushes(path: Path, table: Table) -> tuple[PushPlan, ...]:
+    content = table.content.get("push", [])
+    if isinstance(content, dict):
+        content = [content]
+    if not isinstance(content, list):
+        table.refuse("push", "not a table; begin each push with [[push]]")
+    plans = []
+    for i, each in enumerate(content):
+        known = ("at", "time", "impulse", "duration", "profile", "height")
+        section = Table(f"{path}: [[push]] {i + 1}:", each, known)
+        if "impulse" not in section:
+            section.refuse("impulse", "missing; write impulse = 5.0 (N s, to the robot's left)")
+        plans.append(
+            PushPlan(
+                moment=_moment(section),
+                impulse=section.value("impulse", 0.0, -1e4, 1e4, "N s"),
+                duration=section.value("duration", 0.05, 1e-4, 60.0, "s"),
+                profile=section.text("profile", "constant", PROFILES),
+                height=section.number("height", 0.0, -3.0, 3.0, "m"),
+            )
+        )
+    return tuple(plans)
+
+
+def _moment(section: Table) -> Moment:
+    if ("at" in section) == ("time" in section):
+        remedy = 'write either at = "reversal of step 5" or time = 1.2 (s)'
+        section.refuse("at", f"missing; {remedy}" if "at" not in section else f"given beside time; {remedy}")
+    if "time" in section:
+        return Moment(time=section.value("time", 0.0, 0.0, 1e5, "s"))
+    text = section.text("at", "")
+    found = _AT.fullmatch(text)
+    if found is None or int(found["step"]) < 1:
+        section.refuse(
+            "at", 'not understood; write "impact of step 5", "reversal of step 5" (steps from 1) or "30 % of the rising'
+            ' phase of step 5"'
+        )  # fmt: skip
+    percent = float(found["percent"] or 0.0)
+    if percent > 100.0:
+        section.refuse("at", "more than 100 % of a phase; name the phase after it")
+    phase = found["phase"] or ("falling" if found["event"] == "reversal" else "rising")
+    return Moment(step=int(found["step"]), phase=phase, fraction=percent / 100.0)
+
+
+def _expectations(path: Path, table: Table) -> Expectations:
+    known = tuple(f.name for f in fields(Expectations))
+    section = Table(f"{path}: [expect]", table.content.get("expect", {}), known)
+    found: dict[str, Any] = {}
+    for key in section.content:
+        if key in ("steps", "return_within"):
+            found[key] = section.whole(key, 1, 1, MOST_STEPS)
+        elif key == "unsolved":
+            found[key] = section.whole(key, 0, 0)
+        elif key == "survival":
+            found[key] = section.number(key, 1.0, 0.0, 1.0, "(share of the trials)")
+        elif key == "return_tolerance":
+            found[key] = section.number(key, 0.05, 1e-6, 1.0, "(relative)")
+        elif key == "step_duration":
+            low, high = section.numbers(key, 2, 1e-3, 60.0, "s: [shortest, longest]")
+            if low > high:
+                section.refuse(key, "the shortest is above the longest; exchange them")
+            found[key] = (low, high)
+        else:
+            found[key] = section.number(key, 0.0, *_EXPECTED[key])
+    return Expectations(**found)
+
+
+def _check_together(scenario: Scenario, table: Table) -> None:
+    """What is wrong only beside something else."""
+    path, steps, expect = scenario.path, scenario.steps, scenario.expect
+    for key in ("steps", "return_within"):
+        asked = getattr(expect, key)
+        if asked is not None and asked > steps:
+            raise ScenarioError(f"{path}: [expect] {key} = {asked}: only {steps} steps are walked; raise steps")
+    for i, push in enumerate(scenario.pushes):
+        if push.moment.time is None and push.moment.step > steps:
+            at = f"{path}: [[push]] {i + 1}: at names step {push.moment.step}"
+            raise ScenarioError(f"{at}: only {steps} steps are walked; raise steps or push earlier")
+    if len(scenario.disturbances.get("ground", ())) > steps:
+        count = len(scenario.disturbances["ground"])
+        raise ScenarioError(f"{path}: [disturbances] ground has {count} heights for {steps} steps; leave some out")
+    if scenario.simulator == "mujoco" and scenario.controller.kind == "qp":
+        raise ScenarioError(
+            f'{path}: controller = "qp" is told state and events, which only our simulator can;'
+            ' write controller = "walker" or simulator = "ours"'
+        )
+    if scenario.simulator == "mujoco" and scenario.flat_landing is not None:
+        table.refuse("flat_landing", 'MuJoCo has its own contact; leave it out or write simulator = "ours"')
+    if scenario.simulator == "ours":
+        for key in ("foot_slip", "foot_rotation"):
+            if getattr(expect, key) is not None:
+                raise ScenarioError(
+                    f"{path}: [expect] {key} = {getattr(expect, key):g}: our simulator's foot rests;"
+                    ' leave it out or write simulator = "mujoco"'
+                )
+    if "return_tolerance" in table.content.get("expect", {}) and expect.return_within is None:
+        raise ScenarioError(f"{path}: [expect] return_tolerance without return_within; say within how many steps")
+    if scenario.repeat > 1 and not scenario.random:
+        table.refuse("repeat", "nothing in the scenario is random, all trials would be the same; leave it out")

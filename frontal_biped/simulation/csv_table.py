@@ -1,0 +1,101 @@
+"""A run as a table of numbers, for controllers that are not ours."""
+
+import csv
+import io
+from typing import Any
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.simulation.world import drawable, resample, stance_of
+
+COORDINATES = ("urdf", "stance", "both")
+"""URDF joints by name; the paper's stance coordinates; or both."""
+
+_CHAIN = ("stance_ankle", "stance_hip", "swing_hip", "swing_ankle")
+
+
+def run_table(
+    biped: FrontalBiped, trajectory: Trajectory, coordinates: str = "urdf", rate: float | None = None
+) -> tuple[list[str], list[list[str]]]:
+    """Header and rows of a run.
+
+    In URDF coordinates the joints carry the URDF's names, signs and zeros; the ground reaction is that of the room
+    (y to the robot's left, z up) and the FRI is a place y in it. In stance coordinates they are the paper's.
+
+    Args:
+        biped: the robot.
+        trajectory: the run.
+        coordinates: one of `COORDINATES`.
+        rate: rows per second; None: the samples of the run, of which an event has two at one time.
+
+    Returns:
+        Names with their units in brackets, and as many texts in each row; numbers at full precision.
+    """
+    if coordinates not in COORDINATES:
+        raise ValueError(f"coordinates = {coordinates!r} is none of {', '.join(COORDINATES)}")
+    run = drawable(trajectory)
+    if rate is not None:
+        count = int(np.floor((run.t[-1] - run.t[0]) * rate + 1e-9)) + 1
+        run = resample(run, run.t[0] + np.arange(count) / rate)
+    columns: dict[str, list[Any]] = {
+        "time [s]": run.t.tolist(),
+        "step [-]": (run.step.astype(int) + 1).tolist(),
+        "stance [left/right]": [stance_of(sign).value for sign in run.stance],
+        "phase [rising/falling]": ["rising" if phase > 0.0 else "falling" for phase in run.phase],
+    }
+    if coordinates != "stance":
+        columns |= _urdf_columns(biped, run)
+    if coordinates != "urdf":
+        columns |= _stance_columns(run)
+    rows = [
+        [value if isinstance(value, str) else repr(value) for value in row]
+        for row in zip(*columns.values(), strict=True)
+    ]
+    return list(columns), rows
+
+
+def table_csv(header: list[str], rows: list[list[str]]) -> str:
+    """The table as comma-separated text, one header line."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows(rows)
+    return text.getvalue()
+
+
+def _urdf_columns(biped: FrontalBiped, run: Trajectory) -> dict[str, list[float]]:
+    chart = biped.stance_map
+
+    def mapped(convert: Any, values: FloatArray) -> FloatArray:
+        return np.array([convert(row, stance_of(sign)) for row, sign in zip(values, run.stance, strict=True)])
+
+    table: dict[str, list[float]] = {}
+    wanted = np.concatenate([run.q[:, :1], run.q_b_desired], axis=1)
+    for kind, unit, values in (
+        ("position", "rad", mapped(chart.positions_to_urdf, run.q)),
+        ("desired position", "rad", mapped(chart.positions_to_urdf, wanted)),
+        ("velocity", "rad/s", mapped(chart.velocities_to_urdf, run.dq)),
+        ("torque", "N m", mapped(chart.torques_to_urdf, run.u)),
+    ):
+        table |= {f"{name} {kind} [{unit}]": values[:, i].tolist() for i, name in enumerate(chart.joint_names)}
+    table["fri y [m]"] = (run.stance_y - run.stance * run.p_fri).tolist()
+    table["desired fri y [m]"] = (run.stance_y - run.stance * run.p_fri_target).tolist()
+    table["stance ankle y [m]"] = run.stance_y.tolist()
+    table["ground reaction y [N]"] = (-run.stance * run.force[:, 0]).tolist()
+    table["ground reaction z [N]"] = run.force[:, 1].tolist()
+    return table
+
+
+def _stance_columns(run: Trajectory) -> dict[str, list[float]]:
+    table: dict[str, list[float]] = {}
+    for kind, unit, values in (("q", "rad", run.q), ("dq", "rad/s", run.dq), ("u", "N m", run.u)):
+        table |= {f"{kind}{i + 1} {name} [{unit}]": values[:, i].tolist() for i, name in enumerate(_CHAIN)}
+    table |= {f"h_d{i + 2} {name} [rad]": run.q_b_desired[:, i].tolist() for i, name in enumerate(_CHAIN[1:])}
+    table["p_FRI [m]"] = run.p_fri.tolist()
+    table["desired p_FRI [m]"] = run.p_fri_target.tolist()
+    table["F_h [N]"] = run.force[:, 0].tolist()
+    table["F_v [N]"] = run.force[:, 1].tolist()
+    return table

@@ -1,0 +1,1 @@
+"""The same robot in MuJoCo, whose contact nobody here wrote (extra ``mujoco``)."""

@@ -1,0 +1,240 @@
+"""A robot in MuJoCo, spoken to in the package's coordinates: states, torques, pushes, contact, ground."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.chain import GRAVITY, UPRIGHT
+from frontal_biped.model.perturbation import LINKS, ModelErrors
+from frontal_biped.model.stance_map import Stance
+from frontal_biped.simulation.mujoco.model import (
+    BASE_JOINTS,
+    ContactSettings,
+    floor_of,
+    import_mujoco,
+    link_bodies,
+    mujoco_model,
+    sole_of,
+)
+
+
+class FootLoad(NamedTuple):
+    """What the ground does to one foot.
+
+    Attributes:
+        force_y: [N].
+        force_z: [N].
+        moment: about +X, about the point of the sole below the ankle [N m].
+    """
+
+    force_y: float
+    force_z: float
+    moment: float
+
+
+class MujocoRobot:
+    """One robot, its state and its ground.
+
+    Args:
+        biped: the robot of the files.
+        errors: how MuJoCo's bodies differ from them.
+        contact: contact and physics step.
+
+    Attributes:
+        model: MuJoCo's model.
+        data: MuJoCo's state.
+    """
+
+    def __init__(
+        self, biped: FrontalBiped, errors: ModelErrors | None = None, contact: ContactSettings | None = None
+    ) -> None:
+        self.biped = biped
+        self._mujoco = import_mujoco()
+        self.model = mujoco_model(biped, contact)
+        names = biped.stance_map.joint_names
+        joints = [self.model.joint(name) for name in names]
+        self._q_at = np.array([joint.qposadr[0] for joint in joints])
+        self._v_at = np.array([joint.dofadr[0] for joint in joints])
+        self._base = np.array([self.model.joint(name).dofadr[0] for name in BASE_JOINTS])
+        self._bodies = link_bodies(biped, self.model)
+        self._hips = [joints[1].id, joints[2].id]
+        self._feet = {Stance.LEFT: self._bodies[LINKS[0]], Stance.RIGHT: self._bodies[LINKS[4]]}
+        self._soles = {stance: self.model.geom(sole_of(stance)).id for stance in Stance}
+        self._floors = {stance: int(self.model.body(floor_of(stance)).mocapid[0]) for stance in Stance}
+        self._sole_id = (self._soles[Stance.LEFT], self._soles[Stance.RIGHT])
+        if errors is not None:
+            self._apply(errors)
+        self.data = self._mujoco.MjData(self.model)
+        self._wrench = np.zeros(6)
+
+    def _apply(self, errors: ModelErrors) -> None:
+        """Errors of MuJoCo's own bodies; shifts are given along world axes at the reference posture."""
+        model = self.model
+        data = self._mujoco.MjData(model)
+        self._mujoco.mj_forward(model, data)
+        for i, link in enumerate(LINKS):
+            body = self._bodies[link]
+            orientation = data.xmat[body].reshape(3, 3)
+            model.body_mass[body] *= errors.mass[i]
+            model.body_inertia[body] *= errors.inertia[i]
+            model.body_ipos[body] += orientation.T @ np.array([0.0, *errors.com[i]])
+        for i, stance in enumerate((Stance.LEFT, Stance.RIGHT)):
+            model.body_pos[self._feet[stance]] *= errors.length[i]
+        self._mujoco.mj_setConst(model, data)
+
+    # ------------------------------------------------------------------ state
+    def place(self, stance: Stance, q: FloatArray, dq: FloatArray, foot_y: float) -> None:
+        """Stand on a foot, flat and at rest on the ground at ``foot_y`` [m], at q (4,) [rad], dq (4,) [rad/s]."""
+        biped, model, data = self.biped, self.model, self.data
+        outwards = _sense_of_x(stance)
+        data.qpos[:] = 0.0
+        data.qpos[self._q_at] = biped.stance_map.positions_to_urdf(q, stance)
+        data.qpos[self._base[2]] = outwards * biped.pelvis_roll(q)
+        self._mujoco.mj_kinematics(model, data)
+        foot = self._feet[stance]
+        data.qpos[self._base[0]] += foot_y - data.xpos[foot, 1]
+        data.qpos[self._base[1]] += biped.ankle_height + self.ground(stance) - data.xpos[foot, 2]
+        data.qvel[:] = 0.0
+        data.qvel[self._v_at] = biped.stance_map.velocities_to_urdf(dq, stance)
+        self._mujoco.mj_forward(model, data)
+        J = np.zeros((6, model.nv))
+        self._mujoco.mj_jac(model, data, J[:3], J[3:], data.xpos[foot], foot)
+        J = J[1:4]  # y, z and roll
+        data.qvel[self._base] = -np.linalg.solve(J[:, self._base], J[:, self._v_at] @ data.qvel[self._v_at])
+        self._mujoco.mj_forward(model, data)
+
+    @property
+    def joint_positions(self) -> FloatArray:
+        """(4,) URDF joint angles [rad]."""
+        return self.data.qpos[self._q_at].copy()
+
+    @property
+    def joint_velocities(self) -> FloatArray:
+        """(4,) [rad/s]."""
+        return self.data.qvel[self._v_at].copy()
+
+    @property
+    def base_roll(self) -> float:
+        """Rotation of the pelvis about +X [rad]."""
+        return float(self.data.qpos[self._base[2]])
+
+    @property
+    def base_roll_rate(self) -> float:
+        """[rad/s]."""
+        return float(self.data.qvel[self._base[2]])
+
+    def stance_state(self, stance: Stance) -> tuple[FloatArray, FloatArray]:
+        """q (4,) [rad] and dq (4,) [rad/s] by the joints, for a foot taken as the stance foot."""
+        coordinates = self.biped.stance_map
+        q = coordinates.positions_to_stance(self.joint_positions, stance)
+        return q, coordinates.velocities_to_stance(self.joint_velocities, stance)
+
+    @property
+    def height(self) -> float:
+        """Height of the centre of mass above z = 0 [m]."""
+        return float(self._com()[2])
+
+    def com_offset(self, stance: Stance) -> float:
+        """Where the centre of mass is along h, from a foot's ankle [m]."""
+        along_y = float(self._com()[1]) - self.foot_position(stance)[0]
+        return along_y * _h_along_y(stance)
+
+    def _com(self) -> FloatArray:
+        return self.data.subtree_com[self._bodies["pelvis"]]
+
+    # ------------------------------------------------------------------ motion
+    def run(self, tau: FloatArray, steps: int, pushes: list[tuple[float, float]]) -> None:
+        """Physics steps under joint torques (4,) [N m] and pushes, pairs of force to the left and height [N, m]."""
+        data = self.data
+        data.qfrc_applied[:] = 0.0
+        data.qfrc_applied[self._v_at] = tau
+        pelvis = self._bodies["pelvis"]
+        for force, height in pushes:
+            up = data.xmat[self._bodies["pelvis"]].reshape(3, 3) @ self._up_in_pelvis()
+            point = data.xanchor[self._hips].mean(axis=0) + height * up
+            self._mujoco.mj_applyFT(
+                self.model, data, np.array([0.0, force, 0.0]), np.zeros(3), point, pelvis, data.qfrc_applied
+            )
+        self._mujoco.mj_step(self.model, data, steps)
+
+    def _up_in_pelvis(self) -> FloatArray:
+        """The torso's axis in the pelvis frame: world Z at zero roll."""
+        quaternion = self.model.body_quat[self._bodies["pelvis"]]
+        matrix = np.zeros(9)
+        self._mujoco.mju_quat2Mat(matrix, quaternion)
+        return matrix.reshape(3, 3)[2]
+
+    # ------------------------------------------------------------------ feet and ground
+    @property
+    def contact(self) -> tuple[bool, bool]:
+        """Does the left, the right foot touch the ground?"""
+        touching = self.data.contact.geom[:, 1]
+        left, right = self._sole_id
+        return bool((touching == left).any()), bool((touching == right).any())
+
+    def load(self, stance: Stance) -> FootLoad:
+        """What the ground does to a foot."""
+        model, data, sole = self.model, self.data, self._soles[stance]
+        foot_y, _ = self.foot_position(stance)
+        force_y = force_z = moment = 0.0
+        ground = self.ground(stance)
+        for i in range(data.ncon):
+            contact = data.contact[i]
+            if contact.geom[1] != sole:
+                continue
+            self._mujoco.mj_contactForce(model, data, i, self._wrench)
+            force = contact.frame.reshape(3, 3).T @ self._wrench[:3]
+            y, z = contact.pos[1] - foot_y, contact.pos[2] - ground
+            force_y, force_z = force_y + force[1], force_z + force[2]
+            moment += y * force[2] - z * force[1]
+        return FootLoad(float(force_y), float(force_z), float(moment))
+
+    def reaction(self, stance: Stance) -> tuple[float, float, float]:
+        """Ground reaction F_h, F_v [N] on a stance foot and its FRI [m]; nan where it carries nothing."""
+        load, h = self.load(stance), _h_along_y(stance)
+        fri = load.moment * h / load.force_z if load.force_z > 0.0 else float("nan")
+        return h * load.force_y, load.force_z, fri
+
+    def foot_position(self, stance: Stance) -> tuple[float, float]:
+        """y of a foot's ankle [m] and the foot's rotation about +X [rad]."""
+        q = self.joint_positions - self.biped.stance_map.reference
+        turned = self.biped.stance_map.axis_sign * q
+        pair = turned[:2] if stance is Stance.LEFT else turned[2:]
+        return float(self.data.xpos[self._feet[stance], 1]), self.base_roll + float(pair.sum())
+
+    def clearance(self, stance: Stance) -> float:
+        """Height of the lowest point of a foot's sole above z = 0 [m]."""
+        sole = self._soles[stance]
+        size, matrix = self.model.geom_size[sole], self.data.geom_xmat[sole]
+        # the box stands along world axes but for its roll
+        return float(self.data.geom_xpos[sole, 2] - size[1] * abs(matrix[7]) - size[2] * abs(matrix[8]))
+
+    def ground(self, stance: Stance) -> float:
+        """Height of the floor under a foot [m]."""
+        return float(self.data.mocap_pos[self._floors[stance], 2])
+
+    def set_ground(self, stance: Stance, height: float) -> None:
+        """Set the height of the floor under a foot [m]."""
+        self.data.mocap_pos[self._floors[stance], 2] = height
+
+    @property
+    def upright_height(self) -> float:
+        """Of the centre of mass of the robot of the files [m]."""
+        return float(self.biped.com(np.full(4, UPRIGHT))[1])
+
+    @property
+    def weight(self) -> float:
+        """[N]."""
+        return float(self.model.body_mass.sum() * GRAVITY)
+
+
+def _sense_of_x(stance: Stance) -> float:
+    """+1 where counter-clockwise in (h, v) is a rotation about +X, -1 where it is one about -X."""
+    return -1.0 if stance is Stance.LEFT else 1.0
+
+
+def _h_along_y(stance: Stance) -> float:
+    """h points from the stance foot towards the swing foot: -Y in left stance."""
+    return -1.0 if stance is Stance.LEFT else 1.0

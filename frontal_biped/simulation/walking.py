@@ -1,0 +1,155 @@
+"""Gait, controller and simulator together: walk a gait in the full model, and measure how it takes errors."""
+
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from typing import Any
+
+from frontal_biped.control.controller import QpController
+from frontal_biped.control.sampling import sampled_frequency as sampled_frequency
+from frontal_biped.control.settings import ControllerSettings
+from frontal_biped.control.stabilisers.by_name import make_stabiliser
+from frontal_biped.control.stabilisers.transitions import Stabiliser
+from frontal_biped.control.walker.walker import Walker
+from frontal_biped.exceptions import SimulationError
+from frontal_biped.gait.file import gait_to_dict
+from frontal_biped.gait.gait import Gait
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.perturbation import ModelErrors
+from frontal_biped.model.stance_map import Stance
+from frontal_biped.simulation.disturbances import Disturbances
+from frontal_biped.simulation.event_driven import simulate_walk
+from frontal_biped.simulation.mujoco.walk import walk_in_mujoco
+from frontal_biped.simulation.rigid import walk_sensed
+from frontal_biped.simulation.settings import SimulationSettings
+from frontal_biped.simulation.trajectory import Trajectory
+
+
+def simulate(
+    biped: FrontalBiped,
+    gait: Gait,
+    *,
+    steps: int = 20,
+    period: float | None = None,
+    speed_error: float = 0.0,
+    stance: Stance = Stance.LEFT,
+    stabiliser: Stabiliser | str = "adaptive",
+    disturbances: Disturbances | None = None,
+    errors: ModelErrors | None = None,
+    controller_settings: ControllerSettings | None = None,
+    simulation_settings: SimulationSettings | None = None,
+    on_step: Callable[[int], None] | None = None,
+) -> Trajectory:
+    """Walk a gait in the full model under the QP controller, from its periodic orbit.
+
+    Args:
+        biped: the robot.
+        gait: the gait.
+        steps: impacts after which to stop.
+        period: control period [s], a zero-order hold; None: the controller acts in continuous time.
+        speed_error: relative error of the first post-impact speed, all joints alike, so that the start stays on Z.
+        stance: first stance foot.
+        stabiliser: a stabiliser, or one of `STABILISERS` by name.
+        disturbances: noise, pushes and more; they need a period.
+        errors: how the robot that walks differs from ``biped``, which the controller believes in.
+        controller_settings: gains and limits; default: the limits of the gait's specification, and with a period the
+            gains of `sampled_frequency`.
+        simulation_settings: tolerances; ``steps`` and ``period`` above take precedence.
+        on_step: called with the number of completed steps.
+
+    Returns:
+        The run; a fall is an outcome, not an error.
+    """
+    base = simulation_settings or SimulationSettings()
+    settings = replace(base, steps=steps, period=period, disturbances=disturbances or base.disturbances)
+    chosen = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
+    controller = QpController(biped, gait, controller_settings or sampled_settings(gait, period), chosen)
+    q, dq = gait.state_after_impact()
+    stored = {**asdict(controller.settings), "speed_error": speed_error, "stabiliser": chosen.name}
+    run = simulate_walk(
+        biped,
+        controller,
+        q,
+        (1.0 + speed_error) * dq,
+        settings,
+        errors=errors,
+        stance=stance,
+        on_step=on_step,
+        gait=gait_to_dict(gait),
+        controller_settings=stored,
+    )
+    counters = ("ticks", "unsolved", "relaxed", "held", "declined")
+    counted = {**stored, **{name: getattr(controller, name) for name in counters}}
+    return replace(run, settings={**run.settings, "controller": counted})
+
+
+def walk(
+    biped: FrontalBiped,
+    gait: Gait,
+    *,
+    engine: str = "mujoco",
+    steps: int = 20,
+    period: float = 1e-3,
+    speed_error: float = 0.0,
+    stance: Stance = Stance.LEFT,
+    stabiliser: Stabiliser | str | None = None,
+    disturbances: Disturbances | None = None,
+    errors: ModelErrors | None = None,
+    controller_settings: ControllerSettings | None = None,
+    on_step: Callable[[int], None] | None = None,
+) -> Trajectory:
+    """Walk a gait under a `Walker`, which sees sensor readings only, in MuJoCo or in our own simulator.
+
+    Args:
+        biped: the robot as the walker believes it to be.
+        gait: the gait.
+        engine: "mujoco" (extra ``mujoco``) or "ours".
+        steps: landings after which to stop.
+        period: control period [s].
+        speed_error: relative error of the first post-impact speed.
+        stance: first stance foot.
+        stabiliser: a stabiliser, or one of `STABILISERS` by name; default: the walker's own.
+        disturbances: noise, delay, pushes, ground; the walker knows the delay.
+        errors: how the robot that walks differs from ``biped``.
+        controller_settings: gains and limits; default: the walker's own.
+        on_step: called with the number of completed steps.
+
+    Returns:
+        The run; a fall is an outcome, not an error.
+
+    Raises:
+        MissingExtraError: MuJoCo is not installed.
+        SimulationError: the engine is unknown.
+    """
+    if engine not in ENGINES:
+        raise SimulationError(f"no engine {engine!r}; known: {', '.join(ENGINES)}")
+    known = disturbances or Disturbances()
+    delay = period * known.delay_ticks(period)
+    walker = Walker(biped, gait, period=period, settings=controller_settings, stabiliser=stabiliser, delay=delay)
+    q, dq = gait.state_after_impact()
+    settings = SimulationSettings(steps=steps, period=period, disturbances=known)
+    return ENGINES[engine](
+        biped,
+        walker,
+        q,
+        (1.0 + speed_error) * dq,
+        settings,
+        errors=errors,
+        stance=stance,
+        on_step=on_step,
+        gait=gait_to_dict(gait),
+    )
+
+
+ENGINES: dict[str, Callable[..., Trajectory]] = {"ours": walk_sensed, "mujoco": walk_in_mujoco}
+
+
+def sampled_settings(gait: Gait, period: float | None, **changes: Any) -> ControllerSettings:
+    """Limits of the gait's specification, and with a period the gains of `sampled_frequency`.
+
+    Args:
+        gait: the gait.
+        period: control period [s]; None: continuous control.
+        changes: other fields of the settings.
+    """
+    settings = replace(ControllerSettings.for_gait(gait), **changes)
+    return settings if period is None else replace(settings, frequency=sampled_frequency(period))

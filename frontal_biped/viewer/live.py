@@ -1,0 +1,263 @@
+"""Live view: a small web server in this process that speaks MeshCat's protocol to the browser.
+
+MeshCat's own server is a second process behind a ZeroMQ socket: it outlives a killed parent, keeps its port, and any
+call after its death waits for ever. Here the server is a thread. It ends with the process, whatever ends that.
+"""
+
+import asyncio
+import contextlib
+import os
+import signal
+import sys
+import threading
+import webbrowser
+from collections.abc import Iterator
+from types import FrameType, TracebackType
+from typing import Any, Self
+
+from frontal_biped.exceptions import FrontalBipedError
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.viewer.page import SceneRecorder, viewer_page
+from frontal_biped.viewer.page_data import page_data
+from frontal_biped.viewer.scene import animate, cast, draw_scene
+
+HOST = "127.0.0.1"  # this machine only; from another one, forward the port with ssh
+FIRST_PORT, PORTS = 7000, 100
+_PATIENCE = 10.0  # [s] for the server thread to start or stop; it takes milliseconds
+
+
+class LiveViewer(SceneRecorder):
+    """A MeshCat window with its own web server; use it as a context manager, or call `close`.
+
+    ``meshcat.Visualizer(window=viewer)`` draws into it; every open browser follows.
+
+    Attributes:
+        url: what to open in a browser.
+    """
+
+    def __init__(
+        self, title: str = "Frontal-plane walking", about: dict[str, Any] | None = None, port: int = 0
+    ) -> None:
+        """Start serving.
+
+        Args:
+            title: of the page.
+            about: see `page_data`.
+            port: 0: the first free one from 7000 on.
+
+        Raises:
+            FrontalBipedError: no port is free.
+        """
+        super().__init__()
+        self._page = viewer_page(title, [], about or {}, socket=True)
+        self._lock = threading.Lock()
+        self._clients: set[Any] = set()
+        self._stop: asyncio.Event | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._sockets, self.port = _listen(port)
+        self.url = f"http://{HOST}:{self.port}/"
+        self._ready = threading.Event()
+        self._thread = threading.Thread(target=lambda: asyncio.run(self._serve()), name="live-viewer", daemon=True)
+        self._thread.start()
+        if not self._ready.wait(_PATIENCE):
+            raise FrontalBipedError(f"the viewer's server did not start at {self.url}")
+
+    def send(self, command: Any) -> None:
+        """Keep a command for browsers to come, and pass it to those that are open."""
+        import umsgpack
+
+        with self._lock:
+            super().send(command)
+        loop = self._loop
+        if loop is not None and not loop.is_closed():
+            packed = umsgpack.packb(command.lower())
+            with contextlib.suppress(RuntimeError):  # the loop closed in between
+                loop.call_soon_threadsafe(self._broadcast, packed)
+
+    def packed(self) -> list[bytes]:
+        """The commands as the viewer reads them."""
+        with self._lock:
+            return super().packed()
+
+    def close(self) -> None:
+        """Stop serving and free the port; a second call does nothing."""
+        loop, stop = self._loop, self._stop
+        self._loop = None
+        if loop is not None and stop is not None:
+            with contextlib.suppress(RuntimeError):
+                loop.call_soon_threadsafe(stop.set)
+        if self._thread is not threading.current_thread():
+            self._thread.join(_PATIENCE)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _broadcast(self, packed: bytes) -> None:
+        for client in list(self._clients):
+            client.tell(packed)
+
+    async def _serve(self) -> None:
+        from tornado import httpserver, web, websocket
+
+        viewer = self
+
+        class Socket(websocket.WebSocketHandler):
+            """One open browser."""
+
+            def open(self, *_: str) -> None:
+                for packed in viewer.packed():
+                    self.tell(packed)
+                viewer._clients.add(self)
+
+            def on_message(self, message: str | bytes) -> None:
+                """Browsers have nothing to say."""
+
+            def on_close(self) -> None:
+                viewer._clients.discard(self)
+
+            def tell(self, packed: bytes) -> None:
+                with contextlib.suppress(websocket.WebSocketClosedError):
+                    _forget(self.write_message(packed, binary=True))
+
+        class Page(web.RequestHandler):
+            """The page around the scene."""
+
+            def get(self) -> None:
+                self.set_header("Cache-Control", "no-store")
+                self.finish(viewer._page)
+
+        def route(request: Any) -> bool:
+            return str(request.headers.get("Upgrade", "")).lower() == "websocket"
+
+        from tornado.routing import Matcher, Rule
+
+        class WantsSocket(Matcher):
+            def match(self, request: Any) -> dict[str, Any] | None:
+                return {} if route(request) else None
+
+        application = web.Application([Rule(WantsSocket(), Socket), (r"/", Page)])
+        server = httpserver.HTTPServer(application)
+        server.add_sockets(self._sockets)
+        self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
+        self._ready.set()
+        await self._stop.wait()
+        server.stop()
+        for client in list(self._clients):
+            client.close()
+        with contextlib.suppress(asyncio.TimeoutError):
+            await asyncio.wait_for(server.close_all_connections(), 2.0)
+
+
+def view_live(
+    biped: FrontalBiped,
+    trajectory: Trajectory,
+    open_browser: bool = True,
+    wait: bool = True,
+    title: str | None = None,
+    port: int = 0,
+    *,
+    ghost: bool = False,
+    beside: tuple[FrontalBiped, Trajectory] | None = None,
+    overlay: bool = False,
+) -> LiveViewer:
+    """Show a run in the browser.
+
+    Prints the address. With ``wait`` it returns after Ctrl+C or SIGTERM, the server stopped; otherwise the caller
+    closes the viewer, or leaves it to the end of the process.
+
+    Args:
+        biped: the robot.
+        trajectory: the run.
+        open_browser: try to open a browser; never without a display, nor in continuous integration.
+        wait: stay until interrupted.
+        title: of the page; None: the robot's name.
+        port: 0: the first free one from 7000 on.
+        ghost: show the desired posture as well, see `animation_page`.
+        beside: a second robot and its run.
+        overlay: the second run over the first instead of beside it.
+
+    Returns:
+        The viewer, closed already with ``wait``.
+    """
+    import meshcat
+
+    actors = cast(biped, trajectory, ghost=ghost, beside=beside, overlay=overlay)
+    viewer = LiveViewer(title or biped.name, page_data(actors), port)
+    try:
+        visualizer = meshcat.Visualizer(window=viewer)
+        draw_scene(visualizer, actors)
+        animate(visualizer, actors)
+        if wait:
+            # the address is told while SIGTERM is listened to: who reads it may end the viewer at once
+            with _until_interrupted() as ended:
+                _announce(viewer.url, " (Ctrl+C to quit)", open_browser)
+                # in slices, so that Ctrl+C is served on every platform
+                while not ended.wait(0.2):
+                    pass
+        else:
+            _announce(viewer.url, "", open_browser)
+    except BaseException:
+        viewer.close()
+        raise
+    if wait:
+        viewer.close()
+    return viewer
+
+
+def _announce(url: str, ending: str, open_browser: bool) -> None:
+    sys.stdout.write(f"Viewer at {url}{ending}\n")
+    sys.stdout.flush()
+    if open_browser and has_display():
+        webbrowser.open(url, new=2)
+
+
+@contextlib.contextmanager
+def _until_interrupted() -> Iterator[threading.Event]:
+    with _sigterm_sets(threading.Event()) as ended, contextlib.suppress(KeyboardInterrupt):
+        yield ended
+
+
+@contextlib.contextmanager
+def _sigterm_sets(event: threading.Event) -> Iterator[threading.Event]:
+    if threading.current_thread() is not threading.main_thread():
+        # only the main thread may handle signals; elsewhere SIGTERM ends the process, and the server with it
+        yield event
+        return
+
+    def on_sigterm(_: int, __: FrameType | None) -> None:
+        event.set()
+
+    before = signal.signal(signal.SIGTERM, on_sigterm)
+    try:
+        yield event
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def has_display() -> bool:
+    """Can a browser be opened here? Never in continuous integration."""
+    if os.environ.get("CI"):
+        return False
+    return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def _listen(port: int) -> tuple[list[Any], int]:
+    from tornado.netutil import bind_sockets
+
+    candidates = [port] if port else range(FIRST_PORT, FIRST_PORT + PORTS)
+    for candidate in candidates:
+        with contextlib.suppress(OSError):
+            return bind_sockets(candidate, HOST), candidate
+    asked = f"port {port} is in use" if port else f"no port from {FIRST_PORT} to {FIRST_PORT + PORTS - 1} is free"
+    raise FrontalBipedError(f"{asked}; name another one, or export a page instead")
+
+
+def _forget(sent: "asyncio.Future[None]") -> None:
+    """A browser that closes while it is told something is no error."""
+    asyncio.ensure_future(sent).add_done_callback(lambda done: done.cancelled() or done.exception())

@@ -1,0 +1,116 @@
+"""What the eye cannot see: ground reaction, FRI, centre of mass and the path of the swing foot, as MeshCat nodes."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.simulation.world import FEET, phase_spans, resample, sole_ends, world_configurations
+from frontal_biped.viewer.placements import at, hanging_cylinder
+
+CONTACT, COM, TRACE = "contact", "centre_of_mass", "trace"
+"""Top nodes of a robot's markers."""
+
+FORCE_LENGTH = 0.6  # length of the arrow that carries the whole weight, over the hip's height
+TRACE_RATE = 60.0  # points of a trace [1/s]
+
+COLOURS = {"force": 0x009E73, "fri": 0xCC1F7A, "com": 0xF0C000, "rim": 0x222222, "trace": 0xE06A00}
+
+
+class SwingTrace(NamedTuple):
+    """The way of the swing sole's middle during one step.
+
+    Attributes:
+        step: its index.
+        start: time from the start of the run [s].
+        end: [s].
+        points: (n, 3) at even times from start to end [m].
+    """
+
+    step: int
+    start: float
+    end: float
+    points: FloatArray
+
+
+def swing_traces(biped: FrontalBiped, trajectory: Trajectory) -> list[SwingTrace]:
+    """The way of the swing foot, step by step; steps of no duration are left out."""
+    spans = phase_spans(trajectory)
+    traces = []
+    for step in dict.fromkeys(span.step for span in spans):
+        own = [span for span in spans if span.step == step]
+        start, end = own[0].start, own[-1].end
+        if end - start < 1e-3:
+            continue
+        times = np.linspace(start, end, max(12, int(np.ceil(TRACE_RATE * (end - start)))))
+        inside = times.copy()
+        inside[[0, -1]] += np.array([1e-9, -1e-9])  # at its ends two samples share one time
+        poses = resample(trajectory, inside)
+        ends = sole_ends(biped, world_configurations(biped, poses))
+        swing = FEET.index(own[0].stance.other)
+        zero = float(trajectory.t[0])
+        traces.append(SwingTrace(step, start - zero, end - zero, ends[:, swing].mean(axis=1)))
+    return traces
+
+
+def draw_markers(visualizer: Any, biped: FrontalBiped) -> None:
+    """Put force arrows, FRI and centre of mass into a node."""
+    import meshcat.geometry as mg
+
+    hip_height = float(biped.chain.joints[1, 1])
+    radius, arrow = 0.03 * hip_height, FORCE_LENGTH * hip_height
+    for foot in FEET:
+        contact = visualizer[CONTACT][foot.value]
+        contact["fri"].set_object(mg.Sphere(0.7 * radius), _overlay("fri"))
+        force = contact["force"]
+        shaft = mg.Cylinder(0.86 * arrow, 0.012 * hip_height)
+        force["shaft"].set_object(shaft, _overlay("force", opacity=0.85))
+        force["shaft"].set_transform(at(0.0, 0.43 * arrow, 0.0))
+        head = mg.Cylinder(0.14 * arrow, radiusTop=0.0, radiusBottom=0.03 * hip_height)
+        force["head"].set_object(head, _overlay("force", opacity=0.85))
+        force["head"].set_transform(at(0.0, 0.93 * arrow, 0.0))
+    com = visualizer[COM]
+    com["plumb"]["line"].set_object(mg.Cylinder(1.0, 0.004 * hip_height), _overlay("rim", opacity=0.6))
+    com["plumb"]["line"].set_transform(hanging_cylinder())
+    com["rim"].set_object(mg.Sphere(1.25 * radius), _overlay("rim"))
+    com["marker"].set_object(mg.Sphere(radius), _overlay("com"))
+
+
+def draw_traces(visualizer: Any, biped: FrontalBiped, traces: list[SwingTrace]) -> None:
+    """Put the ways of the swing foot into a node, a ribbon that faces the frontal camera for each step."""
+    import meshcat.geometry as mg
+
+    width = 0.012 * float(biped.chain.joints[1, 1])
+    for trace in traces:
+        vertices, faces = ribbon(trace.points, width)
+        ribbon_mesh = mg.TriangularMeshGeometry(vertices, faces)
+        visualizer[TRACE][f"step_{trace.step}"].set_object(ribbon_mesh, _overlay("trace", opacity=0.9))
+
+
+def ribbon(points: FloatArray, width: float) -> tuple[FloatArray, "np.ndarray[Any, np.dtype[np.int64]]"]:
+    """A band along a way in the frontal plane.
+
+    Args:
+        points: (n, 3) [m].
+        width: [m].
+
+    Returns:
+        (2 n, 3) vertices, and (2 n - 2, 3) triangles in the order of the way: two for each of its n - 1 pieces.
+    """
+    tangent = np.gradient(points[:, 1:], axis=0)
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-12)
+    across = np.stack([np.zeros(len(points)), -tangent[:, 1], tangent[:, 0]], axis=1)
+    vertices = np.stack([points + 0.5 * width * across, points - 0.5 * width * across], axis=1).reshape(-1, 3)
+    first = 2 * np.arange(len(points) - 1)
+    corners = (0, 1, 2, 1, 3, 2)
+    faces = np.stack([first + k for k in corners], axis=1).reshape(-1, 3)
+    return vertices, faces
+
+
+def _overlay(colour: str, **options: Any) -> Any:
+    import meshcat.geometry as mg
+
+    # drawn after the robot and through it: the points lie inside its shapes
+    return mg.MeshBasicMaterial(color=COLOURS[colour], depthTest=False, transparent=True, **options)

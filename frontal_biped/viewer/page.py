@@ -1,0 +1,145 @@
+"""One self-contained page with the animated robot, made without a server: MeshCat's viewer and its commands inlined."""
+
+import base64
+import html
+import json
+from collections.abc import Sequence
+from importlib.resources import files
+from string import Template
+from typing import Any
+
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.viewer.page_data import page_data
+from frontal_biped.viewer.scene import Actor, animate, cast, draw_scene
+
+
+class SceneRecorder:
+    """A MeshCat window that keeps the scene in memory: ``meshcat.Visualizer(window=SceneRecorder())``."""
+
+    def __init__(self) -> None:
+        self._commands: dict[tuple[str, ...], dict[str, Any]] = {}
+
+    def send(self, command: Any) -> None:
+        """Keep a command; a later one for the same node and purpose replaces it."""
+        lowered = command.lower()
+        kind, path = lowered["type"], lowered.get("path", "")
+        if kind == "delete":
+            self._commands = {
+                key: kept
+                for key, kept in self._commands.items()
+                if key[1] != path and not key[1].startswith(path + "/")
+            }
+            return
+        key = (kind, path, lowered["property"]) if kind == "set_property" else (kind, path)
+        if kind == "set_object":
+            self._commands = {k: c for k, c in self._commands.items() if k[1] != path or k[0] == "set_transform"}
+        self._commands.pop(key, None)
+        self._commands[key] = lowered
+
+    @property
+    def commands(self) -> list[dict[str, Any]]:
+        """What a viewer must be told to show the scene; the animation comes last, when its nodes exist."""
+        return sorted(self._commands.values(), key=lambda command: command["type"] == "set_animation")
+
+    def packed(self) -> list[bytes]:
+        """The commands as the viewer reads them."""
+        import umsgpack
+
+        return [umsgpack.packb(command) for command in self.commands]
+
+    def get_scene(self) -> str:
+        """The scene as a page of its own; what ``Visualizer.static_html()`` asks for."""
+        return viewer_page("MeshCat", self.packed(), {})
+
+
+def recording() -> tuple[SceneRecorder, Any]:
+    """An empty scene in memory, and the ``meshcat.Visualizer`` that draws into it."""
+    import meshcat
+
+    recorder = SceneRecorder()
+    return recorder, meshcat.Visualizer(window=recorder)
+
+
+def recorded_scene(actors: Sequence[Actor], fps: float = 30.0) -> SceneRecorder:
+    """Scene and animation of the robots of `cast`, in memory."""
+    import meshcat
+
+    recorder = SceneRecorder()
+    visualizer = meshcat.Visualizer(window=recorder)
+    draw_scene(visualizer, actors)
+    animate(visualizer, actors, fps)
+    return recorder
+
+
+def animation_page(
+    biped: FrontalBiped,
+    trajectory: Trajectory,
+    title: str = "Frontal-plane walking",
+    fps: float = 30.0,
+    *,
+    ghost: bool = False,
+    beside: tuple[FrontalBiped, Trajectory] | None = None,
+    overlay: bool = False,
+    plots: bool = True,
+    theme: str = "auto",
+) -> str:
+    """One HTML page with the animated robot, its time line, and plots that follow it.
+
+    The page needs no network and opens from a file. It shows the run in a loop and in real time.
+
+    Args:
+        biped: the robot.
+        trajectory: the run, at least one sample.
+        title: of the page.
+        fps: key frames per second.
+        ghost: show the desired posture (beta, h_d(beta)) as well, translucent.
+        beside: a second robot and its run, on the right of the first.
+        overlay: the second run translucent over the first instead.
+        plots: with plots below the robot.
+        theme: "auto" (what the browser prefers), "light" or "dark".
+
+    Returns:
+        The page's text, about 1 MB; with the meshes of a robot 2 to 4 MB.
+    """
+    actors = cast(biped, trajectory, ghost=ghost, beside=beside, overlay=overlay)
+    return viewer_page(title, recorded_scene(actors, fps).packed(), page_data(actors, plots, theme))
+
+
+def viewer_page(title: str, packed: list[bytes], about: dict[str, Any], socket: bool = False) -> str:
+    """The viewer around a scene.
+
+    Args:
+        title: of the page.
+        packed: the scene's commands; empty if they come by web socket.
+        about: see `page_data`.
+        socket: connect back to the server of the page.
+
+    Returns:
+        The page's text.
+    """
+    return Template(web_text("viewer.html")).substitute(
+        title=html.escape(title),
+        style=web_text("viewer.css"),
+        meshcat_licence=_viewer_file("main.min.js.LICENSE.txt").replace("--", "- -"),
+        meshcat=_viewer_file("main.min.js"),
+        commands=script_json([base64.b64encode(command).decode("ascii") for command in packed]),
+        about=script_json(about),
+        socket="true" if socket else "false",
+        connect="ws:" if socket else "",
+        script=web_text("plots.js") + web_text("timeline.js") + web_text("viewer.js"),
+    )
+
+
+def script_json(value: Any) -> str:
+    """JSON that may stand inside a script element."""
+    return json.dumps(value, allow_nan=False).replace("<", "\\u003c").replace("\u2028", "\\u2028")
+
+
+def web_text(name: str) -> str:
+    """A file of the ``web`` folder."""
+    return (files("frontal_biped.viewer") / "web" / name).read_text(encoding="utf-8")
+
+
+def _viewer_file(name: str) -> str:
+    return (files("meshcat") / "viewer" / "dist" / name).read_text(encoding="utf-8")

@@ -1,0 +1,185 @@
+"""What a page must know beside the scene: phases, events, pushes, traces, and the samples behind its plots."""
+
+import base64
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.simulation.world import phase_spans
+from frontal_biped.viewer.markers import swing_traces
+from frontal_biped.viewer.scene import GHOST, SECOND, Actor, frontal_camera
+
+MOST_SAMPLES = 4000
+"""Of one run in the plots; a longer one is thinned evenly within its phases."""
+
+_JOINTS = ("stance ankle", "stance hip", "swing hip", "swing ankle")
+
+
+def _panel(key: str, title: str, label: str, lines: Sequence[tuple[str, ...]], **more: str) -> dict[str, Any]:
+    """A plot: lines are (name, channel) or (name, channel, channel of the desired value)."""
+    named = [dict(zip(("name", "y", "wanted"), line, strict=False)) for line in lines]
+    return {"key": key, "title": title, "x": "t", "xlabel": "time [s]", "ylabel": label, "lines": named} | more
+
+
+PANELS: tuple[dict[str, Any], ...] = (
+    _panel(
+        "angles",
+        "Joint angles",
+        "angle [rad]",
+        [(name, f"q{i + 1}", *([f"d{i + 1}"] if i else [])) for i, name in enumerate(_JOINTS)],
+    ),
+    _panel("fri", "FRI and sole", "p_FRI [mm]", [("from the ankle", "fri", "fri_target")]),
+    _panel("torques", "Torques", "torque [N m]", [(name, f"u{i + 1}") for i, name in enumerate(_JOINTS)]),
+    _panel("portrait", "Phase portrait", "dβ/dt [rad/s]", [("stance ankle", "v1")], x="q1", xlabel="β = q1 [rad]"),
+    _panel("force", "Ground reaction", "force [N]", [("vertical F_v", "fv"), ("horizontal F_h", "fh")]),
+    _panel("foot", "Swing foot", "height [mm]", [("inner end", "inner"), ("outer end", "outer")]),
+    _panel("roll", "Pelvis roll", "roll [degrees]", [("pelvis", "roll")]),
+    _panel("error", "Tracking error", "q_b − h_d [mrad]", [(name, f"e{i + 2}") for i, name in enumerate(_JOINTS[1:])]),
+    _panel("speeds", "Joint velocities", "velocity [rad/s]", [(name, f"v{i + 1}") for i, name in enumerate(_JOINTS)]),
+)
+"""What a plot of the page can show; the first four are shown first."""
+
+
+def page_data(actors: Sequence[Actor], plots: bool = True, theme: str = "auto") -> dict[str, Any]:
+    """Everything `viewer.js` reads.
+
+    Args:
+        actors: the robots of the scene, see `cast`.
+        plots: with the samples for plots.
+        theme: "auto" (what the browser prefers), "light" or "dark".
+    """
+    runs = [actor for actor in actors if actor.node != GHOST]
+    return {
+        "duration": max(actor.duration for actor in actors),
+        "camera": frontal_camera(actors),
+        "runs": [_run(actor, plots) for actor in runs],
+        "overlaid": any(actor.node == SECOND and not actor.marked for actor in actors),
+        "ghost": any(actor.node == GHOST for actor in actors),
+        "panels": list(PANELS) if plots else [],
+        "theme": theme,
+    }
+
+
+def _run(actor: Actor, plots: bool) -> dict[str, Any]:
+    run, biped = actor.trajectory, actor.biped
+    start = float(run.t[0])
+    spans = phase_spans(run)
+    traces = swing_traces(biped, run) if actor.marked else []
+    return {
+        "node": actor.node,
+        "robot": biped.name,
+        "duration": actor.duration,
+        "outcome": run.outcome,
+        "phases": [
+            {
+                "start": span.start - start,
+                "step": span.step + 1,
+                "stance": span.stance.value,
+                "phase": "rising" if span.rising else "falling",
+            }
+            for span in spans
+        ],
+        "events": _events(run),
+        "pushes": _pushes(run),
+        "traces": [
+            {"step": trace.step, "start": trace.start, "end": trace.end, "pieces": len(trace.points) - 1}
+            for trace in traces
+        ],
+        "limits": _limits(biped),
+        "samples": samples(biped, run) if plots else None,
+    }
+
+
+def _events(run: Trajectory) -> list[dict[str, Any]]:
+    """Reversals and impacts within the run, from its event list and, where that is silent, from its phases."""
+    start, end = float(run.t[0]), float(run.t[-1])
+    found = {
+        (round(float(t) - start, 6), kind.lower())
+        for t, kind in zip(run.event_t, run.event_kind, strict=True)
+        if kind in ("IMPACT", "REVERSAL") and start <= t <= end
+    }
+    spans = phase_spans(run)
+    for before, after in pairwise(spans):
+        kind = "impact" if after.step != before.step else "reversal" if before.rising and not after.rising else ""
+        time = after.start - start
+        if kind and not any(kind == known and abs(time - t) < 2e-2 for t, known in found):
+            found.add((round(time, 6), kind))
+    return [{"t": t, "kind": kind} for t, kind in sorted(found)]
+
+
+def _pushes(run: Trajectory) -> list[dict[str, float]]:
+    """Pushes as the run's settings tell them; none where they do not."""
+    disturbances = run.settings.get("disturbances", {})
+    pushes = disturbances.get("pushes", []) if isinstance(disturbances, dict) else []
+    found = []
+    for push in pushes:
+        try:
+            start, duration, impulse = (float(push[key]) for key in ("start", "duration", "impulse"))
+        except (KeyError, TypeError, ValueError):
+            continue
+        found.append({"start": start - float(run.t[0]), "duration": duration, "impulse": impulse})
+    return found
+
+
+def _limits(biped: FrontalBiped) -> dict[str, list[dict[str, Any]]]:
+    """Lines across plots: the ends of the sole, the torque limits, the weight, the ground."""
+    outer, inner = (1e3 * end for end in biped.sole)
+    ankle, hip = (float(limit) for limit in biped.max_torque[:2])
+    torque = [{"value": sign * ankle, "name": "ankle limit"} for sign in (1.0, -1.0)]
+    if hip != ankle:
+        torque += [{"value": sign * hip, "name": "hip limit"} for sign in (1.0, -1.0)]
+    return {
+        "fri": [{"value": inner, "name": "inner end of the sole"}, {"value": outer, "name": "outer end of the sole"}],
+        "torques": torque if hip != ankle else [{**line, "name": "limit"} for line in torque],
+        "force": [{"value": biped.weight, "name": "weight"}],
+        "foot": [{"value": 0.0, "name": "ground"}],
+        "portrait": [{"value": 0.0, "name": "turns back"}],
+    }
+
+
+def samples(biped: FrontalBiped, trajectory: Trajectory) -> dict[str, Any]:
+    """Channels of the plots, in the units of their axes, packed as little-endian float32 in base64.
+
+    Returns:
+        "count", "breaks" (index of the first sample of each phase) and "channels".
+    """
+    kept, breaks = _thinned(trajectory)
+    run = {name: getattr(trajectory, name)[kept] for name in ("t", "q", "dq", "u", "force", "p_fri", "p_fri_target")}
+    wanted = trajectory.q_b_desired[kept]
+    sole = 1e3 * np.array([biped.swing_sole(q)[:, 1] for q in run["q"]])
+    channels: dict[str, FloatArray] = {"t": run["t"] - trajectory.t[0]}
+    for i in range(4):
+        channels |= {f"q{i + 1}": run["q"][:, i], f"v{i + 1}": run["dq"][:, i], f"u{i + 1}": run["u"][:, i]}
+    for i in range(3):
+        channels |= {f"d{i + 2}": wanted[:, i], f"e{i + 2}": 1e3 * (run["q"][:, i + 1] - wanted[:, i])}
+    channels |= {"fh": run["force"][:, 0], "fv": run["force"][:, 1]}
+    channels |= {"fri": 1e3 * run["p_fri"], "fri_target": 1e3 * run["p_fri_target"]}
+    channels |= {"inner": sole[:, 0], "outer": sole[:, 1]}
+    channels["roll"] = np.degrees(np.array([float(biped.pelvis_roll(q)) for q in run["q"]]))
+    return {
+        "count": len(kept),
+        "breaks": breaks,
+        "channels": {name: _packed(values) for name, values in channels.items()},
+    }
+
+
+def _thinned(trajectory: Trajectory) -> tuple[np.ndarray[Any, np.dtype[np.intp]], list[int]]:
+    """Indices of at most about `MOST_SAMPLES` samples, both ends of every phase among them, and where phases begin."""
+    share = min(1.0, MOST_SAMPLES / len(trajectory.t))
+    kept: list[np.ndarray[Any, np.dtype[np.intp]]] = []
+    breaks: list[int] = []
+    for span in phase_spans(trajectory):
+        first, last = span.samples.start, span.samples.stop - 1
+        count = max(2, int(np.ceil(share * (last - first + 1))))
+        breaks.append(sum(len(part) for part in kept))
+        kept.append(np.unique(np.linspace(first, last, count).round().astype(np.intp)))
+    return np.concatenate(kept), breaks
+
+
+def _packed(values: FloatArray) -> str:
+    return base64.b64encode(np.ascontiguousarray(values, dtype="<f4").tobytes()).decode("ascii")

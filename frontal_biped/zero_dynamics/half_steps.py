@@ -1,0 +1,155 @@
+"""The two halves of a step: rising from a landing to its reversal, falling from a reversal to its landing."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.exceptions import ReversalError
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.virtual_constraints.anchoring import ContinuedPhase, stretched
+from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.zero_dynamics.energy import PhaseEnergy, phase_energy
+from frontal_biped.zero_dynamics.poincare import Landing, landing_on_constraints
+
+REACH = 0.5
+"""How far past its end a rising phase is followed [rad]."""
+
+PAST_END = (0.25, 1.0, 3.0)
+"""Panels of the continuation, in units of its taper."""
+
+SURPLUS_ACCURACY = 1e-4
+"""Energy error that is left to the transitions [kg^2 m^4/s^2]; a gait has some hundreds."""
+
+STRETCH, STRETCHES = 0.15, 40
+"""Steps by which the end of a phase is moved outwards, relative to its range, and how many."""
+
+BLOCKED = 1e4
+"""Surplus where the phase does not reach its end [kg^2 m^4/s^2]."""
+
+
+@dataclass(frozen=True)
+class Landed:
+    """The state after an impact.
+
+    Attributes:
+        q: (4,) configuration [rad].
+        slope: (3,) dq_b/dbeta [-].
+        dbeta: rate of the stance ankle [rad/s].
+    """
+
+    q: FloatArray
+    slope: FloatArray
+    dbeta: float
+
+
+def rising_breaks(phase: Phase) -> tuple[tuple[float, ...], float]:
+    """Panel ends of a rising phase and where to stop [rad]."""
+    taper = getattr(phase, "taper", None)
+    middle = 0.5 * (phase.beta_start + phase.beta_end)
+    if taper is None:
+        # past s = 1 the bare polynomial goes on; short panels, for it bends
+        past = [phase.beta_end + k * 0.25 * abs(phase.range) for k in range(5)]
+        return (middle, *past), past[-1]
+    short = getattr(phase, "curvature_taper", taper)
+    past = [phase.beta_end + x for f in PAST_END for x in (f * short, 3.0 * short + f * taper)]
+    return (middle, phase.beta_end, *past), max(past) + REACH
+
+
+def falling_energy(biped: FrontalBiped, phase: Phase, reversal: float) -> PhaseEnergy:
+    """Energy of a falling phase from a reversal to its end."""
+    breaks = getattr(phase, "breaks", ())
+    above = [b - 0.075 * phase.range for b in breaks[:1]]
+    middle = 0.5 * (min(reversal, phase.beta_start) + phase.beta_end)
+    return phase_energy(biped, phase, reversal, phase.beta_end, (*breaks, *above, middle))
+
+
+def rising_energy(biped: FrontalBiped, phase: Phase, dbeta: float = np.inf) -> PhaseEnergy:
+    """Energy of a rising phase from its start up to the barrier, or as far as it is followed.
+
+    Args:
+        biped: the robot.
+        phase: rising phase.
+        dbeta: speed at its start [rad/s]; not far beyond the reversal of this is looked.
+    """
+    breaks, end = rising_breaks(phase)
+    return phase_energy(biped, phase, phase.beta_start, end, breaks, to_barrier=True, dbeta=dbeta)
+
+
+def land_on_constraints(biped: FrontalBiped, falling: PhaseEnergy) -> tuple[Landing, float, Landed]:
+    """Landing of a falling phase that began at rest: the impact, dbeta before it [rad/s], and the state after it.
+
+    Raises:
+        ReversalError: the robot stops before the impact.
+    """
+    landing, dbeta, last = landing_at_end(biped, falling), speed_at_end(falling), falling.panels[-1]
+    after = landing.dq_plus
+    return landing, dbeta, Landed(last.motion.q[-1][::-1].copy(), after[1:] / after[0], float(after[0] * dbeta))
+
+
+def landing_at_end(biped: FrontalBiped, falling: PhaseEnergy) -> Landing:
+    """The impact at the end of a falling phase, per unit of dbeta."""
+    last = falling.panels[-1]
+    return landing_on_constraints(biped, last.motion.q[-1], last.motion.dq[-1])
+
+
+def speed_at_end(falling: PhaseEnergy) -> float:
+    """Rate dbeta at the end of a falling phase that began at rest [rad/s], negative.
+
+    Raises:
+        ReversalError: the robot stops before.
+    """
+    if not falling.complete:
+        raise ReversalError(falling.why)
+    spent = np.concatenate([panel.spent(panel.motion.q[:, 0]) for panel in falling.panels])
+    if not np.all(spent[1:] < 0.0):  # of a robot that leans the wrong way right from the start
+        raise ReversalError("the robot stops in the falling phase")
+    last = falling.panels[-1]
+    zeta = -np.exp(float(last.growth(last.end))) * float(last.spent(last.end))
+    return -float(np.sqrt(2.0 * zeta)) / float(last.restricted.I_P[-1])
+
+
+def stretch_to_reversal(biped: FrontalBiped, phase: ContinuedPhase, dbeta: float) -> ContinuedPhase:
+    """The phase stretched so that a landing too fast for it reverses exactly at its end.
+
+    The same poses in the same order, the last one reached where the energy is spent: the self-consistent reversal of
+    `reversal_problem`, solved for a given speed. The phase itself where it is not too fast, or nothing stops the robot.
+
+    Args:
+        biped: the robot.
+        phase: rising phase.
+        dbeta: after the landing [rad/s].
+    """
+
+    def surplus(end: float) -> float:
+        return energy_surplus(biped, stretched(phase, end), dbeta)
+
+    end = phase.beta_end
+    if surplus(end) <= SURPLUS_ACCURACY:
+        return phase
+    for _ in range(STRETCHES):
+        longer = end + STRETCH * phase.range
+        if surplus(longer) <= 0.0:
+            return stretched(phase, float(brentq(surplus, end, longer, xtol=1e-12)))
+        end = longer
+    return phase
+
+
+def energy_surplus(biped: FrontalBiped, phase: Phase, dbeta: float) -> float:
+    """Energy after a landing beyond what rising to the planned end of the phase takes [kg^2 m^4/s^2].
+
+    `BLOCKED` is added where the phase does not reach its end: as if far too fast.
+    """
+    try:
+        energy = phase_energy(biped, phase, phase.beta_start, phase.beta_end)
+    except ReversalError:
+        return BLOCKED
+    return surplus_at_end(energy, dbeta)
+
+
+def surplus_at_end(energy: PhaseEnergy, dbeta: float) -> float:
+    """`energy_surplus` of a phase that has been integrated to its end."""
+    missing = 0.0 if energy.complete else BLOCKED
+    surplus = 0.5 * (energy.start_inertia * dbeta) ** 2 - float(energy.panels[-1].spent(energy.end)) + missing
+    return surplus if np.isfinite(surplus) else BLOCKED

@@ -1,0 +1,72 @@
+"""The robustness card: its numbers against runs of the full model."""
+
+import numpy as np
+import pytest
+
+from frontal_biped.analysis.push_recovery import RECOVERED, largest_push
+from frontal_biped.analysis.return_map import RestrictedMap
+from frontal_biped.analysis.robustness import RobustnessCard, fixed_basin, robustness_card
+from frontal_biped.control import make_stabiliser
+from frontal_biped.library import worker_processes
+from frontal_biped.simulation import Disturbances, Push
+from frontal_biped.simulation.walking import simulate
+
+
+@pytest.fixture(scope="module")
+def card(biped, robust_gait):
+    return robustness_card(biped, robust_gait, stabilisers=("ankle",), instants=())
+
+
+def test_card_of_the_robust_gait(card: RobustnessCard, robust_gait):
+    assert card.gait_multiplier == robust_gait.orbit.multiplier
+    basin = card.basins["ankle"]
+    assert basin.low <= 0.6  # bound of the design: -40 % .. +60 %
+    assert basin.high >= 1.6
+    # dead-beat: one step, so the norm is that of the disturbance itself
+    assert max(map(abs, card.slopes["ankle"])) < 0.01
+    assert card.sensitivity_norm["ankle"] == pytest.approx(1.0, abs=1e-3)
+    assert card.barrier_margin > 0.0
+    assert all(text for _, text in card.rows())
+    assert "speeds that return, ankle" in str(card)
+
+
+def test_norm_is_that_of_the_geometric_decay(biped, level_gait):
+    restricted = RestrictedMap(biped, level_gait, make_stabiliser("adaptive", biped, level_gait))
+    slope = max(map(abs, restricted.slope()))
+    errors = np.cumprod(np.full(400, slope)) / slope
+    assert 1.0 / np.sqrt(1.0 - slope**2) == pytest.approx(np.sqrt(np.sum(errors**2)), rel=1e-9)
+
+
+def test_edges_of_a_basin_are_edges(biped, level_gait):
+    restricted = RestrictedMap(biped, level_gait, make_stabiliser("ankle", biped, level_gait))
+    basin = restricted.basin(low=0.5, high=2.0)
+    assert restricted.follow(basin.low).returned
+    assert restricted.follow(basin.high).returned
+    assert basin.low < 0.9 < 1.2 < basin.high
+
+
+def test_card_of_worker_processes_is_the_same(biped, robust_gait, card: RobustnessCard):
+    with worker_processes(2) as executor:
+        shared = robustness_card(biped, robust_gait, stabilisers=("ankle",), instants=(), executor=executor)
+    assert str(shared) == str(card)
+    assert shared.as_dict() == card.as_dict()
+
+
+@pytest.mark.slow
+def test_largest_push_is_survived_and_a_larger_one_is_not(biped, robust_gait):
+    found = largest_push(biped, robust_gait, "ankle", "at the reversal", 1.0, "outwards")
+    assert found.impulse > 10.0
+    assert found.limited_by
+    start = robust_gait.step(biped).rising.duration
+    for factor, falls in ((1.0, False), (1.3, True)):
+        push = Push(start, 0.05, factor * found.impulse)
+        disturbances = Disturbances(pushes=(push,))
+        run = simulate(biped, robust_gait, steps=6, period=1e-3, stabiliser="ankle", disturbances=disturbances)
+        last = run.post_impact_states()[-1, 4] / robust_gait.orbit.beta_dot_after_impact
+        assert (run.fell or abs(last - 1.0) > RECOVERED) == falls
+
+
+@pytest.mark.slow
+def test_fixed_transitions_return_from_less_than_any_stabiliser(biped, robust_gait, card):
+    fixed = fixed_basin(biped, robust_gait)
+    assert card.basins["ankle"].low < fixed.low < 1.0 < fixed.high < card.basins["ankle"].high

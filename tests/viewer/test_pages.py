@@ -1,0 +1,345 @@
+"""What the pages hold, read from their text: the scene's commands, and nothing that asks a network."""
+
+import base64
+import json
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import meshcat
+import numpy as np
+import pytest
+import umsgpack
+from meshcat.geometry import Box
+
+from frontal_biped.demo.page import report_page
+from frontal_biped.exceptions import RobotError
+from frontal_biped.simulation import Disturbances, Push
+from frontal_biped.simulation.world import drawable, phase_spans, sole_ends, world_configurations, world_motion
+from frontal_biped.viewer import animation_page
+from frontal_biped.viewer.markers import ribbon, swing_traces
+from frontal_biped.viewer.page import SceneRecorder, recorded_scene
+from frontal_biped.viewer.page_data import MOST_SAMPLES, PANELS, page_data, samples
+from frontal_biped.viewer.robot_shapes import visual_model
+from frontal_biped.viewer.scene import cast
+
+FPS = 30.0
+
+
+@pytest.fixture(scope="module")
+def page(biped, orbit):
+    return animation_page(biped, orbit, title="Walk <1> & more")
+
+
+@pytest.fixture(scope="module")
+def commands(page):
+    texts = json.loads(re.search(r"^const commands = (\[.*\]);$", page, re.MULTILINE).group(1))
+    return [umsgpack.unpackb(base64.b64decode(text)) for text in texts]
+
+
+@pytest.fixture(scope="module")
+def clips(commands):
+    animation = [command for command in commands if command["type"] == "set_animation"]
+    assert len(animation) == 1
+    assert commands[-1] is animation[0]
+    assert animation[0]["options"]["play"] is True
+    assert animation[0]["options"]["repetitions"] > 1000
+    return {clip["path"]: clip["clip"] for clip in animation[0]["animations"]}
+
+
+class Links(HTMLParser):
+    """Collects what a browser would load."""
+
+    def __init__(self):
+        super().__init__()
+        self.loaded, self.frames = [], []
+
+    def handle_starttag(self, tag, attrs):
+        attrs = dict(attrs)
+        self.loaded += [attrs[key] for key in ("src", "href", "data", "xlink:href") if key in attrs and tag != "a"]
+        if tag == "iframe":
+            self.frames.append(attrs["srcdoc"])
+
+
+def assert_offline(page):
+    links = Links()
+    links.feed(page)
+    assert all(link.startswith(("data:", "#")) for link in links.loaded), links.loaded
+    styles = "".join(re.findall(r"<style>(.*?)</style>", page, re.DOTALL))
+    assert "url(" not in styles.replace("url(#", "")
+    assert "@import" not in styles
+    assert "Content-Security-Policy" in page
+    return links
+
+
+def test_scene_names_its_nodes(biped, commands):
+    drawn = {command["path"] for command in commands if command["type"] == "set_object"}
+    for shape in visual_model(biped).geometryObjects:
+        body = biped.spatial_model.names[shape.parentJoint]
+        assert f"/meshcat/first/robot/{body}/{shape.name}" in drawn
+    for name in ("contact/left/fri", "contact/right/force/head", "centre_of_mass/marker", "trace/step_3"):
+        assert f"/meshcat/first/{name}" in drawn
+    assert "/meshcat/ground/slab" in drawn
+    hidden = {
+        c["path"] for c in commands if c["type"] == "set_property" and c["property"] == "visible" and not c["value"]
+    }
+    assert {"/Grid", "/Axes"} <= hidden
+
+
+def test_every_body_and_marker_is_animated(biped, clips):
+    bodies = {f"/meshcat/first/robot/{name}" for name in biped.spatial_model.names[1:]}
+    markers = {f"/meshcat/first/contact/{foot}{part}" for foot in ("left", "right") for part in ("", "/force")}
+    com = {f"/meshcat/first/centre_of_mass{part}" for part in ("", "/plumb")}
+    assert bodies | markers | com == set(clips)
+
+
+def test_key_times_are_monotone_and_cover_four_steps(orbit, clips):
+    frames = int(np.floor(orbit.t[-1] * FPS)) + 2
+    assert orbit.steps_completed == 4
+    for clip in clips.values():
+        assert clip["fps"] == FPS
+        for track in clip["tracks"]:
+            times = np.array([key["time"] for key in track["keys"]])
+            assert len(times) in (frames, frames - 1)
+            assert np.all(np.diff(times) > 0.0)
+            assert times[0] == 0.0
+            assert times[-1] / FPS == pytest.approx(orbit.t[-1])
+
+
+def test_keys_hold_the_motion(biped, orbit, clips):
+    motion = world_motion(biped, orbit)
+    com = next(t for t in clips["/meshcat/first/centre_of_mass"]["tracks"] if t["name"] == ".position")
+    np.testing.assert_allclose(com["keys"][0]["value"], motion.com[0])
+    np.testing.assert_allclose(com["keys"][-1]["value"], motion.com[-1])
+    shown = {
+        foot: [
+            key["value"]
+            for t in clips[f"/meshcat/first/contact/{foot}"]["tracks"]
+            if t["name"] == ".visible"
+            for key in t["keys"]
+        ]
+        for foot in ("left", "right")
+    }
+    assert all(left is not right for left, right in zip(shown["left"], shown["right"], strict=True))
+    quaternions = clips["/meshcat/first/robot/left_hip"]["tracks"][1]["keys"]
+    np.testing.assert_allclose([np.linalg.norm(key["value"]) for key in quaternions], 1.0)
+
+
+def test_animation_page_asks_no_network(page):
+    assert_offline(page)
+    assert "<title>Walk &lt;1&gt; &amp; more</title>" in page
+    # the viewer's own text names web addresses in comments and namespaces; none of ours does
+    own = page.replace(page[page.index("<!-- The viewer") : page.index("const commands")], "")
+    assert not re.findall(r"https?://", own)
+
+
+def test_page_stays_small(page):
+    assert len(page) < 1_500_000
+
+
+def unpacked(table):
+    return {
+        name: np.frombuffer(base64.b64decode(text), dtype="<f4").astype(float)
+        for name, text in table["channels"].items()
+    }
+
+
+def test_page_is_told_the_phases_and_events(biped, orbit):
+    about = page_data(cast(biped, orbit))
+    assert about["duration"] == pytest.approx(orbit.t[-1])
+    run = about["runs"][0]
+    assert [(p["step"], p["stance"], p["phase"]) for p in run["phases"][:3]] == [
+        (1, "left", "rising"),
+        (1, "left", "falling"),
+        (2, "right", "rising"),
+    ]
+    assert [event["kind"] for event in run["events"]] == ["impact", "reversal"] * 4 + ["impact"]
+    np.testing.assert_allclose([event["t"] for event in run["events"]], orbit.event_t, atol=1e-6)
+
+
+def test_events_are_found_in_the_phases_where_the_run_lists_none(biped, orbit):
+    """Another simulator may record samples alone."""
+    bare = replace(orbit, event_t=np.zeros(0), event_kind=(), event_step=np.zeros(0), event_state=np.zeros((0, 8)))
+    found = page_data(cast(biped, bare))["runs"][0]["events"]
+    listed = page_data(cast(biped, orbit))["runs"][0]["events"]
+    # the impacts at either end are no change of phase
+    assert [event["kind"] for event in found] == [event["kind"] for event in listed[1:-1]]
+    np.testing.assert_allclose([e["t"] for e in found], [e["t"] for e in listed[1:-1]], atol=1e-6)
+
+
+def test_channels_are_the_samples_of_the_run(biped, walk):
+    table = samples(biped, walk)
+    channels = unpacked(table)
+    assert table["count"] == min(len(walk.t), table["count"]) <= MOST_SAMPLES + 2 * len(phase_spans(walk))
+    assert all(len(values) == table["count"] for values in channels.values())
+    single = 1e-5  # float32 of seconds and radians
+    beta = np.interp(channels["t"], walk.t, walk.q[:, 0])
+    inside = ~np.isin(np.arange(table["count"]), [*table["breaks"], *(np.array(table["breaks"]) - 1)])
+    np.testing.assert_allclose(channels["q1"][inside], beta[inside], atol=single)
+    # heights of the swing sole: on the ground at the end of every step, never below it
+    for name in ("inner", "outer"):
+        assert channels[name].min() > -0.1
+        assert abs(channels[name][-1]) < 0.1
+    used = {line[key] for panel in PANELS for line in panel["lines"] for key in ("y", "wanted") if key in line}
+    assert used | {panel["x"] for panel in PANELS} <= set(channels)
+
+
+def test_long_runs_are_thinned_but_keep_both_ends_of_every_phase(biped, walk):
+    repeats = 1 + MOST_SAMPLES // len(walk.t)
+    duration, steps = walk.t[-1], walk.steps_completed
+    arrays = {name: np.concatenate([getattr(walk, name)] * repeats) for name in (
+        "q", "dq", "u", "force", "p_fri", "p_fri_target", "q_b_desired", "phase", "stance", "stance_y",
+    )}  # fmt: skip
+    arrays["t"] = np.concatenate([walk.t + k * duration for k in range(repeats)])
+    arrays["step"] = np.concatenate([walk.step + k * steps for k in range(repeats)])
+    long = replace(walk, **arrays)
+    table = samples(biped, long)
+    assert table["count"] < len(long.t)
+    times, starts = unpacked(table)["t"], {round(span.start, 3) for span in phase_spans(long)}
+    assert starts <= {round(float(t), 3) for t in times}
+
+
+def test_pushes_are_told(biped, gait, walk):
+    pushed = replace(walk, settings={"disturbances": {"pushes": [{"start": 0.5, "duration": 0.1, "impulse": -3.0}]}})
+    assert page_data(cast(biped, pushed))["runs"][0]["pushes"] == [{"start": 0.5, "duration": 0.1, "impulse": -3.0}]
+    broken = replace(walk, settings={"disturbances": {"pushes": [{"start": "early"}]}})
+    assert page_data(cast(biped, broken))["runs"][0]["pushes"] == []
+    from frontal_biped.simulation.walking import simulate
+
+    run = simulate(biped, gait, steps=1, period=5e-3, disturbances=Disturbances(pushes=(Push(0.1, 0.05, 0.5),)))
+    assert page_data(cast(biped, run))["runs"][0]["pushes"] == [{"start": 0.1, "duration": 0.05, "impulse": 0.5}]
+
+
+def test_trace_is_the_way_of_the_swing_foot(biped, orbit):
+    traces = swing_traces(biped, orbit)
+    assert [trace.step for trace in traces] == [0, 1, 2, 3]
+    soles = sole_ends(biped, world_configurations(biped, orbit))
+    for trace in traces:
+        own = orbit.step == trace.step
+        swing = 1 if orbit.stance[own][0] > 0.0 else 0
+        middle = soles[own][:, swing].mean(axis=1)
+        for end, place in ((0, middle[0]), (-1, middle[-1])):
+            np.testing.assert_allclose(trace.points[end], place, atol=1e-6)
+        t = np.linspace(trace.start, trace.end, len(trace.points))
+        np.testing.assert_allclose(trace.points[:, 2], np.interp(t, orbit.t[own], middle[:, 2]), atol=1e-3)
+    vertices, faces = ribbon(traces[0].points, 0.01)
+    assert len(faces) == 2 * (len(traces[0].points) - 1)
+    np.testing.assert_allclose(np.linalg.norm(vertices[::2] - vertices[1::2], axis=1), 0.01)
+
+
+def test_a_run_with_gaps_is_drawn_as_far_as_it_goes(biped, orbit):
+    """No desired posture, no force in flight, and postures that are no numbers after a fall."""
+    holes = {name: getattr(orbit, name).copy() for name in ("q", "force", "p_fri", "p_fri_target", "q_b_desired", "u")}
+    holes["q_b_desired"][:] = np.nan
+    holes["p_fri_target"][:] = np.nan
+    holes["force"][10:20] = 0.0
+    holes["p_fri"][10:20] = np.nan
+    holes["u"][5] = np.inf
+    holes["q"][300:] = np.nan
+    damaged = replace(orbit, **holes, gait={}, settings={}, outcome="fell: blew up")
+    seen = drawable(damaged)
+    assert len(seen.t) == 300
+    np.testing.assert_array_equal(seen.q_b_desired, seen.q[:, 1:])
+    assert "NaN" not in animation_page(biped, damaged, ghost=True).split("const about = ")[1].split("\n")[0]
+    holes["q"][:] = np.nan
+    with pytest.raises(ValueError, match="no posture"):
+        animation_page(biped, replace(orbit, **holes))
+
+
+def test_ghost_is_the_desired_posture(biped, orbit):
+    wrong = replace(orbit, q=orbit.q + np.array([0.0, 0.1, 0.0, 0.0]))
+    first, ghost = cast(biped, wrong, ghost=True)
+    np.testing.assert_allclose(ghost.trajectory.q[:, 1:], orbit.q_b_desired)
+    np.testing.assert_array_equal(ghost.trajectory.q[:, 0], first.trajectory.q[:, 0])
+    commands = recorded_scene([first, ghost]).commands
+    drawn = {c["path"] for c in commands if c["type"] == "set_object"}
+    assert {p.replace("/first/", "/ghost/") for p in drawn if "/first/robot/" in p} <= drawn
+    assert not any("/ghost/contact" in path or "/ghost/trace" in path for path in drawn)
+    materials = [c["object"]["materials"][0] for c in commands if "/ghost/" in c["path"] and c["type"] == "set_object"]
+    assert all(material["transparent"] and material["opacity"] < 0.6 for material in materials)
+
+
+def test_two_runs_stand_apart_and_end_together(biped, low_torso, orbit, walk):
+    actors = cast(biped, orbit, beside=(low_torso, walk.first_steps(2)))
+    assert actors[0].shift < -0.3 < 0.3 < actors[1].shift
+    about = page_data(actors)
+    assert [run["node"] for run in about["runs"]] == ["first", "second"]
+    assert about["duration"] == pytest.approx(orbit.t[-1])
+    assert about["camera"]["half_width"] > actors[1].shift
+    (animation,) = [c for c in recorded_scene(actors).commands if c["type"] == "set_animation"]
+    ends = {c["path"]: c["clip"]["tracks"][0]["keys"][-1]["time"] / FPS for c in animation["animations"]}
+    # clips of different length would repeat on their own, out of step
+    assert min(ends.values()) == max(ends.values()) == pytest.approx(orbit.t[-1])
+    overlaid = cast(biped, orbit, beside=(biped, walk), overlay=True)
+    assert [actor.shift for actor in overlaid] == [0.0, 0.0]
+    assert page_data(overlaid)["overlaid"]
+
+
+def test_report_escapes_text_and_asks_no_network(biped, orbit):
+    report = report_page(
+        biped,
+        orbit,
+        [("torques", "<svg id='a'></svg>"), ("own <caption>", "<svg id='b'></svg>")],
+        numbers=[
+            ("multiplier <m>", 0.7553, "-"),
+            ("residual", 1.5e-13, "rad"),
+            ("steps", 4, ""),
+            ("bad", float("nan"), ""),
+        ],
+        constraints=[
+            ("C01", "a & b", 1.0, 2.0, 1.0, "-"),
+            ("C02", "short", 0.1, 0.2, -0.1, "rad"),
+            ("C03", "unknown", "nan", "1", "nan", "-"),
+        ],
+        notes=["<script>alert(1)</script>"],
+        title="A <title>",
+    )
+    links = assert_offline(report)
+    assert len(links.frames) == 1
+    assert_offline(links.frames[0])
+    for text in ("multiplier &lt;m&gt;", "a &amp; b", "&lt;script&gt;alert(1)", "<title>A &lt;title&gt;</title>"):
+        assert text in report
+    assert "Joint torques over two steps." in report
+    assert "own &lt;caption&gt;" in report
+    assert "1.5 × 10<sup>−13</sup>" in report
+    assert report.count('class="violated"') == 2
+    assert report.count('class="kept"') == 1
+
+
+def test_report_without_tables(biped, orbit):
+    report = report_page(biped, orbit, [])
+    assert "<table" not in report.split("</iframe>")[1]
+
+
+def test_recorder_keeps_the_latest_and_deletes_below():
+    recorder = SceneRecorder()
+    visualizer = meshcat.Visualizer(window=recorder)
+    visualizer["a"]["b"].set_object(Box([1.0, 1.0, 1.0]))
+    for k in range(3):
+        visualizer["a"].set_transform(np.eye(4) * (1.0 + k))
+        visualizer["a"].set_property("visible", bool(k % 2))
+    assert [c["type"] for c in recorder.commands].count("set_transform") == 1
+    assert [c["type"] for c in recorder.commands].count("set_property") == 1
+    assert "MeshCat" in visualizer.static_html()
+    visualizer["a"].delete()
+    assert recorder.commands == []
+
+
+def test_a_robot_without_shapes_is_drawn_as_bars(raised_ankle, orbit):
+    assert visual_model(raised_ankle).ngeoms == 0
+    drawn = {c["path"] for c in recorded_scene(cast(raised_ankle, orbit)).commands if c["type"] == "set_object"}
+    assert {"/meshcat/first/robot/left_hip/leg", "/meshcat/first/robot/right_ankle/foot"} <= drawn
+
+
+def test_missing_mesh_is_named(biped, tmp_path):
+    text = biped.description.urdf.read_text(encoding="utf-8")
+    urdf = tmp_path / "meshy.urdf"
+    mesh = '<mesh filename="package://nowhere/torso.stl"/>'
+    urdf.write_text(text.replace('<sphere radius="0.10"/>', mesh), encoding="utf-8")
+
+    class Described:
+        spatial_model = biped.spatial_model
+        description = replace(biped.description, urdf=urdf)
+
+    with pytest.raises(RobotError, match=r"meshy\.urdf.*nowhere"):
+        visual_model(Described())
