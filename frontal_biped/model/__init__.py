@@ -4,6 +4,7 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import load_robot, models_dir, robot_names
 from frontal_biped.model.impact import Impact, impact
 from frontal_biped.model.stance_map import Stance, StanceMap, relabel
+from frontal_biped.model.state import State
 from frontal_biped.model.urdf.description import RobotDescription, Sole
 
 __all__ = [
@@ -12,6 +13,7 @@ __all__ = [
     "RobotDescription",
     "Sole",
     "Stance",
+    "State",
     "StanceMap",
     "impact",
     "load_robot",

@@ -33,6 +33,19 @@ class Stance(Enum):
         """The other foot."""
         return Stance.RIGHT if self is Stance.LEFT else Stance.LEFT
 
+    @property
+    def sign(self) -> float:
+        """+1 for the left foot, -1 for the right one: where it stands on the world's y axis, and how runs store it.
+
+        The h axis of the frontal plane, from the stance foot towards the swing foot, points to -sign on the y axis.
+        """
+        return 1.0 if self is Stance.LEFT else -1.0
+
+    @classmethod
+    def of_sign(cls, sign: float) -> "Stance":
+        """The foot that `sign` stands for."""
+        return cls.LEFT if sign > 0.0 else cls.RIGHT
+
 
 def relabel(chain_vector: FloatArray) -> FloatArray:
     """Exchange the roles of stance and swing leg: (4,) q, dq or u, reversed ([O], symmetry of Sec. II-B)."""

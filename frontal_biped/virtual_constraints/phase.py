@@ -17,6 +17,16 @@ class StepPhase(Enum):
     RISING = "rising"
     FALLING = "falling"
 
+    @property
+    def sign(self) -> float:
+        """Sign of dbeta, +1 rising and -1 falling: how runs store the phase."""
+        return 1.0 if self is StepPhase.RISING else -1.0
+
+    @classmethod
+    def of_sign(cls, sign: float) -> "StepPhase":
+        """The phase that `sign` stands for."""
+        return cls.RISING if sign > 0.0 else cls.FALLING
+
 
 class ConstrainedMotion(NamedTuple):
     """The robot on the virtual constraints at the points beta (n,): q = (beta, h_d(beta)).
