@@ -77,6 +77,22 @@ class Tickable(Protocol):
         """Torques for a reading."""
 
 
+class Contract(Enum):
+    """How a controller is asked for torques."""
+
+    SENSED = "tick and reset"
+    """It is shown sensor readings only, as `Walker`: a `Tickable`."""
+    TOLD = "begin and command"
+    """It is told state and events, as `QpController`: a `Controller`."""
+
+    @classmethod
+    def of(cls, thing: object) -> "Contract | None":
+        """The contract that an object keeps, by its methods; None for none, and for a class: that is a factory."""
+        if isinstance(thing, type):
+            return None
+        return next((kind for kind in cls if all(hasattr(thing, name) for name in kind.value.split(" and "))), None)
+
+
 class Command(Protocol):
     """What the simulator reads of a command."""
 

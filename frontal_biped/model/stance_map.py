@@ -13,6 +13,7 @@ Relabelling at impact is therefore a plain reversal of q, dq and u alike.
 
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 
 import numpy as np
 
@@ -90,10 +91,15 @@ class StanceMap:
         """URDF joint torques (..., 4) [N m] of stance torques u (..., 4)."""
         return self._to_urdf(u, stance)
 
+    @cached_property
+    def _sign(self) -> FloatArray:
+        """(4,) sense in which the chain counts each URDF joint."""
+        return _CHAIN_SIGN * self.axis_sign
+
     def _to_chain(self, urdf_vector: FloatArray, stance: Stance) -> FloatArray:
-        chain = _CHAIN_SIGN * self.axis_sign * urdf_vector
+        chain = self._sign * urdf_vector
         return chain if stance is Stance.LEFT else relabel(chain)
 
     def _to_urdf(self, chain_vector: FloatArray, stance: Stance) -> FloatArray:
         left = chain_vector if stance is Stance.LEFT else relabel(chain_vector)
-        return _CHAIN_SIGN * self.axis_sign * left
+        return self._sign * left

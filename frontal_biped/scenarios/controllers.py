@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from frontal_biped.control.controller import QpController
+from frontal_biped.control.interface import Contract
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers.by_name import make_stabiliser
 from frontal_biped.control.walker.walker import Walker
@@ -25,8 +26,10 @@ A controller has ``tick(reading)`` and ``reset(stance, q, dq)`` as `Walker`, or 
 """
 
 
-def make_controller(prepared: Prepared, conditions: Conditions, own: Factory | object | None = None) -> Any:
-    """The controller of one trial.
+def make_controller(
+    prepared: Prepared, conditions: Conditions, own: Factory | object | None = None
+) -> tuple[Any, Contract]:
+    """The controller of one trial, and how it is asked.
 
     Args:
         prepared: scenario, robot and gait.
@@ -40,23 +43,19 @@ def make_controller(prepared: Prepared, conditions: Conditions, own: Factory | o
     choice = scenario.controller
     if own is None and choice.kind == "qp":
         stabiliser = make_stabiliser(choice.stabiliser or QP_STABILISER, prepared.biped, prepared.gait)
-        return QpController(prepared.biped, prepared.gait, _settings(prepared), stabiliser)
+        return QpController(prepared.biped, prepared.gait, _settings(prepared), stabiliser), Contract.TOLD
     if own is None and choice.kind == "walker":
         delay = conditions.disturbances.delay if choice.delay is None else choice.delay
         # what the scenario leaves open is the walker's own choice
         named: dict[str, Any] = {} if choice.stabiliser is None else {"stabiliser": choice.stabiliser}
         if choice.settings:
             named["settings"] = _settings(prepared)
-        return Walker(
-            prepared.biped,
-            prepared.gait,
-            period=choice.period,
-            delay=choice.period * round(delay / choice.period),
-            **named,
-        )
+        delay = choice.period * round(delay / choice.period)
+        walker = Walker(prepared.biped, prepared.gait, period=choice.period, delay=delay, **named)
+        return walker, Contract.SENSED
     where = f"{scenario.path}: controller = {choice.kind!r}" if own is None else "the controller given"
     factory = _import(prepared) if own is None else own
-    if not _is_controller(factory):
+    if Contract.of(factory) is None:
         if not callable(factory):
             raise ScenarioError(f"{where}: {type(factory).__name__} is no factory; name a function of (robot, gait)")
         try:
@@ -65,25 +64,18 @@ def make_controller(prepared: Prepared, conditions: Conditions, own: Factory | o
             raise ScenarioError(
                 f"{where}: the factory refused, {error}; it is called as (robot, gait, period=...)"
             ) from None
-    if not _is_controller(factory):
+    contract = Contract.of(factory)
+    if contract is None:
         raise ScenarioError(
             f"{where}: {type(factory).__name__} is no controller; give it tick and reset as Walker has,"
             " or begin and command as QpController has"
         )
-    if scenario.simulator == "mujoco" and not hasattr(factory, "tick"):
+    if scenario.simulator == "mujoco" and contract is Contract.TOLD:
         raise ScenarioError(
             f"{where}: begin and command are told state and events, which only our simulator can;"
             ' give it tick and reset as Walker has, or write simulator = "ours"'
         )
-    return factory
-
-
-def _is_controller(thing: object) -> bool:
-    if isinstance(thing, type):
-        return False  # a class is a factory
-    return (hasattr(thing, "tick") and hasattr(thing, "reset")) or (
-        hasattr(thing, "begin") and hasattr(thing, "command")
-    )
+    return factory, contract
 
 
 def _settings(prepared: Prepared) -> ControllerSettings:

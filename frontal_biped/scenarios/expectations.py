@@ -69,7 +69,7 @@ def steps_to_return(prepared: Prepared, run: Trajectory) -> float:
     """
     if run.fell:
         return float("inf")
-    speed = run.post_impact_states()[:, 4] / prepared.gait.orbit.beta_dot_after_impact - 1.0
+    speed = run.post_impact_speeds / prepared.gait.orbit.beta_dot_after_impact - 1.0
     away = np.flatnonzero(np.abs(speed) > prepared.scenario.expect.return_tolerance)
     if len(away) and away[-1] == len(speed) - 1:
         return float("inf")

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+from frontal_biped.control.interface import Contract
 from frontal_biped.gait.file import gait_to_dict
 from frontal_biped.scenarios.controllers import Factory, make_controller
 from frontal_biped.scenarios.expectations import Finding, judge, measures
@@ -13,6 +14,7 @@ from frontal_biped.scenarios.scenario import Scenario
 from frontal_biped.simulation.event_driven import simulate_walk
 from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.simulation.walking import ENGINES, start_state
 
 OnStep = Callable[[int], None]
 
@@ -115,7 +117,7 @@ def run_trial(
     scenario = prepared.scenario
     chosen_seed = scenario.seed if seed is None else seed
     drawn = conditions(prepared, trial_seed(chosen_seed, number))
-    run = _walk(prepared, drawn, make_controller(prepared, drawn, controller), on_step)
+    run = _walk(prepared, drawn, *make_controller(prepared, drawn, controller), on_step)
     marked = {"scenario": scenario.name, "trial": number, "seed": chosen_seed, "drawn": dict(drawn.drawn)}
     run = replace(run, settings={**run.settings, "trial": marked})
     measured = measures(prepared, run)
@@ -133,28 +135,28 @@ def run_trial(
     )
 
 
-def _walk(prepared: Prepared, drawn: Conditions, controller: Any, on_step: OnStep | None) -> Trajectory:
+def _walk(
+    prepared: Prepared, drawn: Conditions, controller: Any, contract: Contract, on_step: OnStep | None
+) -> Trajectory:
     scenario, biped, gait = prepared.scenario, prepared.biped, prepared.gait
     settings = SimulationSettings(
         steps=scenario.steps, period=scenario.controller.period, disturbances=drawn.disturbances
     )
     if scenario.flat_landing is not None:
         settings = replace(settings, flat_landing=scenario.flat_landing)
-    q, dq = gait.state_after_impact()
-    dq = (1.0 + drawn.speed_error) * dq
-    kept = gait_to_dict(gait)
-    shared: dict[str, Any] = {
-        "errors": drawn.errors, "stance": scenario.stance, "on_step": on_step, "gait": kept
-    }  # fmt: skip
-    if scenario.simulator == "mujoco":
-        from frontal_biped.simulation.mujoco.walk import walk_in_mujoco
-
-        return walk_in_mujoco(biped, controller, q, dq, settings, **shared)
-    if hasattr(controller, "tick"):
-        from frontal_biped.simulation.rigid import walk_sensed
-
-        return walk_sensed(biped, controller, q, dq, settings, **shared)
-    run = simulate_walk(biped, controller, q, dq, settings, **shared)
+    walk = ENGINES[scenario.simulator] if contract is Contract.SENSED else simulate_walk
+    run = walk(
+        biped,
+        controller,
+        start_state(gait, drawn.speed_error),
+        settings,
+        errors=drawn.errors,
+        stance=scenario.stance,
+        on_step=on_step,
+        gait=gait_to_dict(gait),
+    )
+    if contract is Contract.SENSED:
+        return run
     reported = {
         key: int(getattr(controller, key)) for key in ("ticks", "unsolved", "declined") if hasattr(controller, key)
     }

@@ -98,16 +98,6 @@ class Disturbances:
         ankle, hip = self.torque_limits or (np.inf, np.inf)
         return np.array([ankle, hip, hip, ankle])
 
-    def applied(self, commanded: FloatArray, generator: np.random.Generator) -> FloatArray:
-        """(4,) torques that the motors give when asked for ``commanded`` [N m], in chain or in URDF order."""
-        u = commanded
-        if self.torque_noise:
-            u = u * (1.0 + self.torque_noise * generator.standard_normal(4))
-        if self.torque_limits is not None:
-            limits = self.chain_torque_limits()
-            u = np.clip(u, -limits, limits)
-        return u
-
     def as_dict(self) -> dict[str, Any]:
         """As a run file keeps it: lists, numbers and names."""
         return {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(self).items()}

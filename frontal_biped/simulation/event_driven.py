@@ -1,8 +1,8 @@
-"""Simulate the full model in closed loop, event by event.
+"""Simulate the full model in closed loop, event by event, under a controller that is told state and events.
 
-Continuous: the controller is evaluated inside the integrator. Sampled: a zero-order hold at a fixed period, as on a
-robot; joint torques stay constant through an impact until the next tick. Events are located, not stepped over.
-Noise, pushes and the other disturbances act on sampled runs (see `disturbances`).
+Continuous: the controller is evaluated inside the integrator, the oracle of everything sampled. Sampled: a zero-order
+hold at a fixed period, as on a robot; joint torques stay constant through an impact until the next tick. Events are
+located, not stepped over. Noise, pushes and the other disturbances act on sampled runs (see `disturbances`).
 """
 
 from collections.abc import Callable, Mapping
@@ -10,29 +10,29 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.interface import Controller
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.perturbation import ModelErrors, Plant
+from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.model.stance_map import Stance
-from frontal_biped.simulation.flows import PHASE_TIME_LIMIT, ContinuousFlow, SampledFlow
-from frontal_biped.simulation.hybrid_system import EventKind, Guards, land, walking_guards
+from frontal_biped.model.state import State
+from frontal_biped.simulation.hybrid_system import Guard
+from frontal_biped.simulation.loop import PHASE_TIME_LIMIT, TIMED_OUT, Steps, run_sampled
+from frontal_biped.simulation.motors import Motors
 from frontal_biped.simulation.pushes import PushForces
 from frontal_biped.simulation.recorder import Recorder
+from frontal_biped.simulation.rigid import RigidEngine
 from frontal_biped.simulation.settings import SimulationSettings
+from frontal_biped.simulation.state_fed import StateFed, Told
 from frontal_biped.simulation.trajectory import Trajectory
-from frontal_biped.virtual_constraints.phase import StepPhase
-
-TIMED_OUT = f"a phase lasted longer than {PHASE_TIME_LIMIT:g} s"
-MOST_TURNS = 20  # times a push may turn the robot outwards again within one step
 
 
 def simulate_walk(
     biped: FrontalBiped,
     controller: Controller,
-    q0: FloatArray,
-    dq0: FloatArray,
+    start: State,
     settings: SimulationSettings | None = None,
     *,
     errors: ModelErrors | None = None,
@@ -46,8 +46,7 @@ def simulate_walk(
     Args:
         biped: the robot as the controller knows it.
         controller: commands torques.
-        q0: (4,) configuration after the impact [rad].
-        dq0: (4,) velocities after the impact [rad/s].
+        start: state after the impact.
         settings: of the simulator.
         errors: how the robot that is simulated differs from ``biped``.
         stance: the first stance foot.
@@ -59,80 +58,76 @@ def simulate_walk(
         The run; a fall is an outcome, not an error.
     """
     chosen = settings or SimulationSettings()
-    plant = Plant.of(biped, errors)
+    engine, recorder = RigidEngine(biped, errors, chosen), Recorder()
     pushes = PushForces(chosen.disturbances.pushes)
-    flow = (
-        ContinuousFlow(plant, controller, chosen)
-        if chosen.period is None
-        else SampledFlow(plant, biped, controller, chosen, pushes)
-    )
-    recorder = Recorder(plant, controller, pushes)
-    # the ground under the feet: start, start, then one height for every landing, and one that is never reached
-    ground = np.concatenate([np.zeros(2), chosen.disturbances.landing_heights(chosen.steps + 1)])
-    state = np.concatenate([q0, dq0])
-    flow.begin(state)
-    t, phase, step, outcome = 0.0, StepPhase.RISING, 0, "completed"
-    # the feet start level about y = 0, as in a walk on the spot
-    world_y = (1.0 if stance is Stance.LEFT else -1.0) * 0.5 * float(plant.on(stance).joint_positions(q0)[3, 0])
-    recorder.event(t, EventKind.IMPACT, -1, state)
-    turns = 0
-    guards = _guards(plant, stance, ground, step)
-    pushes.begin(t, step, phase)
-    controller.begin(phase, *flow.perceived(state))
-    while step < chosen.steps:
-        active = guards.rising if phase is StepPhase.RISING else guards.falling
-        segment = flow.run(t, state, phase, active, stance)
-        recorder.segment(segment, phase, stance, world_y, step)
-        t, state = segment.t[-1], segment.x[-1]
-        if segment.event is EventKind.REVERSAL:
-            phase = StepPhase.FALLING
-            recorder.event(t, EventKind.REVERSAL, step, state)
-            if float(plant.on(stance).swing_sole(state[:4])[:, 1].min()) < ground[step + 2] - ground[step + 1]:
-                outcome = EventKind.EARLY_LANDING.value
-                recorder.event(t, EventKind.EARLY_LANDING, step, state)
-                break
-            pushes.begin(t, step, phase)
-            controller.begin(phase, *flow.perceived(state))
-        elif segment.event is EventKind.TURNED_OUTWARDS and turns < MOST_TURNS:
-            phase, turns = StepPhase.RISING, turns + 1
-            recorder.event(t, EventKind.TURNED_OUTWARDS, step, state)
-            controller.begin(phase, *flow.perceived(state))
-        elif segment.event is EventKind.IMPACT:
-            stood = plant.on(stance)
-            landing = land(stood, state[:4], state[4:], chosen.flat_landing)
-            if landing is not None and landing.friction_used > (chosen.disturbances.friction or np.inf):
-                recorder.event(t, EventKind.SLIPPED, step, state)
-                outcome = EventKind.SLIPPED.value
-                break
-            if landing is None:
-                recorder.event(t, EventKind.EDGE_LANDING, step, state)
-                outcome = EventKind.EDGE_LANDING.value
-                break
-            width = float(stood.joint_positions(state[:4])[3, 0])
-            world_y -= width if stance is Stance.LEFT else -width
-            stance, phase, step, turns = stance.other, StepPhase.RISING, step + 1, 0
-            state = np.concatenate([landing.q_plus, landing.dq_plus])
-            flow.land(state)
-            guards = _guards(plant, stance, ground, step)
-            pushes.begin(t, step, phase)
-            controller.begin(phase, *flow.perceived(state))
-            recorder.event(t, EventKind.IMPACT, step - 1, state)
-            if on_step is not None:
-                on_step(step)
-        else:
-            outcome = TIMED_OUT if segment.event is None else segment.event.value
-            if segment.event is not None:
-                recorder.event(t, segment.event, step, state)
-            break
+    steps = Steps(engine, chosen, pushes, recorder, on_step)
+    engine.place(stance, start)
+    steps.start(stance)
+    told = Told(engine, controller, steps, pushes, recorder)
+    if chosen.period is None:
+        outcome = _run_continuously(told, chosen)
+    else:
+        motors = Motors(chosen.disturbances, chosen.period, biped.max_torque)
+        pilot = StateFed(told, chosen, motors)
+        outcome = run_sampled(engine, pilot, motors, pushes, chosen.period)
+        if outcome == TIMED_OUT:
+            pilot.record()
     stored = {
         **asdict(chosen),
         "disturbances": chosen.disturbances.as_dict(),
         "errors": None if errors is None else errors.as_dict(),
         "controller": dict(controller_settings or {}),
     }
-    return recorder.finish(biped.name, outcome, step, dict(gait or {}), stored)
+    return recorder.finish(biped.name, outcome, steps.count, gait or {}, stored)
 
 
-def _guards(plant: Plant, stance: Stance, ground: FloatArray, step: int) -> Guards:
-    """Guards of a step (from 0): foothold ``step`` is left, ``step + 1`` stood on, ``step + 2`` landed on."""
-    return walking_guards(plant.on(stance), ground[step] - ground[step + 1], ground[step + 2] - ground[step + 1])
+def _run_continuously(told: Told, settings: SimulationSettings) -> str:
+    """Walk with the controller inside the right-hand side, DOP853 with located events; the outcome."""
+    engine, controller, t = told.engine, told.controller, 0.0
+    controller.begin(engine.phase, *engine.state)
+    n = len(engine.state.q)
+    while True:
+        segment = told.segment(t)
+        biped, phase = engine.motion.biped, engine.phase
+
+        def derivative(_: float, x: FloatArray) -> FloatArray:
+            q, dq = x[:n], x[n:]
+            u = controller.command(phase, q, dq).u  # noqa: B023, the phase of this segment
+            return np.concatenate([dq, biped.forward_dynamics(q, dq, u)])  # noqa: B023
+
+        solution = solve_ivp(
+            derivative,
+            (t, t + PHASE_TIME_LIMIT),
+            np.concatenate(engine.state),
+            method="DOP853",
+            rtol=settings.rtol,
+            atol=settings.atol,
+            events=[_as_event(guard) for guard in engine.guards],
+            dense_output=True,
+        )
+        assert solution.sol is not None  # dense_output=True
+        end = float(solution.t[-1])
+        count = max(2, int(np.ceil((end - t) * settings.record_rate)) + 1)
+        times = np.linspace(t, end, count)
+        x = solution.sol(times).T
+        x[0], x[-1] = np.concatenate(engine.state), solution.y[:, -1]
+        segment.t[:], segment.states[:] = times, [State(row[:n], row[n:]) for row in x]
+        told.record(segment)
+        if solution.status != 1:
+            return TIMED_OUT
+        hits = zip(engine.guards, solution.t_events or [], strict=True)
+        kind, t = next(guard.kind for guard, times in hits if len(times)), end
+        engine.state = segment.states[-1]
+        outcome = told.passed(t, kind, engine.cross(kind), engine.state)
+        if outcome is not None:
+            return outcome
+
+
+def _as_event(guard: Guard) -> Callable[[float, FloatArray], float]:
+    def event(_: float, x: FloatArray) -> float:
+        half = len(x) // 2
+        return guard.function(x[:half], x[half:])
+
+    event.terminal = True  # type: ignore[attr-defined]
+    event.direction = guard.direction  # type: ignore[attr-defined]
+    return event

@@ -125,4 +125,4 @@ class PelvisForce:
 
 def along_h(force_to_the_left: float, stance: Stance) -> float:
     """Force along h, from the stance foot towards the swing foot [N]."""
-    return -force_to_the_left if stance is Stance.LEFT else force_to_the_left
+    return -stance.sign * force_to_the_left

@@ -1,146 +1,184 @@
-"""Walk in the event-driven simulator under a walker that sees sensor readings only.
+"""The hybrid system as an engine: rigid impacts, located events, one foot on the ground ([O] eq. hybridsystem)."""
 
-Impacts are rigid and located, as in `simulate_walk`; the walker learns of them from the contact flags at its next tick.
-"""
-
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.interface import Tickable
+from frontal_biped.control.interface import Reading
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.perturbation import ModelErrors, Plant
-from frontal_biped.model.stance_map import Stance
+from frontal_biped.model.stance_map import Stance, relabel
+from frontal_biped.model.state import State
 from frontal_biped.simulation.hybrid_system import EventKind, Guard, land, walking_guards
-from frontal_biped.simulation.loop import PERIOD, SensedLoop
-from frontal_biped.simulation.pushes import PelvisForce, PushForces, along_h
+from frontal_biped.simulation.pushes import PushForces
 from frontal_biped.simulation.settings import SimulationSettings
-from frontal_biped.simulation.stance_motion import StanceMotion
-from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.simulation.stance_motion import Reaction, StanceMotion
+from frontal_biped.virtual_constraints.phase import StepPhase
+
+MAX_STEP = 1e-3
+"""Longest Runge-Kutta step under held torques [s]: at order 4 it is exact to rounding."""
+
+AT_ONCE = 1e-12
+"""Time before the end of a control period that is not worth a step [s]."""
+
+MOST_TURNS = 20
+"""Times a push may turn the robot outwards again within one step."""
 
 
-def walk_sensed(
-    plant: FrontalBiped,
-    walker: Tickable,
-    q0: FloatArray,
-    dq0: FloatArray,
-    settings: SimulationSettings | None = None,
-    *,
-    errors: ModelErrors | None = None,
-    stance: Stance = Stance.LEFT,
-    on_step: Callable[[int], None] | None = None,
-    gait: Mapping[str, Any] | None = None,
-) -> Trajectory:
-    """Walk from a state right after an impact; arguments and answer as those of `walk_in_mujoco`."""
-    chosen = settings or SimulationSettings()
-    engine = _RigidEngine(plant, errors, chosen)
-    return SensedLoop(engine, plant, walker, chosen, errors).run(q0, dq0, stance, on_step, gait)
+class Move(NamedTuple):
+    """What happened until the end of a control period, or until the first event in it.
+
+    Attributes:
+        t: when it ends [s].
+        steps: of the integrator: duration [s], time reached [s] and state there; at an event, before it.
+        event: what ended it, if anything did.
+        fell: how the robot fell, if it did.
+    """
+
+    t: float
+    steps: Sequence[tuple[float, float, State]] = ()
+    event: EventKind | None = None
+    fell: EventKind | str | None = None
 
 
-class _RigidEngine:
-    """The hybrid system, one control period at a time, spoken to through joints and contact flags."""
+class RigidEngine:
+    """The robot on its stance foot, and the events that change phase and foot.
+
+    Args:
+        biped: the robot of the files.
+        errors: how the one that walks differs from it.
+        settings: friction and the rotation up to which a foot settles flat.
+
+    Attributes:
+        plant: the robot that walks.
+        stance: the foot it stands on.
+        motion: how it moves on that foot.
+        state: where it is.
+        phase: rising or falling.
+    """
 
     name = "ours"
 
     def __init__(self, biped: FrontalBiped, errors: ModelErrors | None, settings: SimulationSettings) -> None:
         self.biped, self.settings = biped, settings
-        self.period = settings.period or PERIOD
         self.plant = Plant.of(biped, errors)
-        self._motion = {side: StanceMotion(self.plant.on(side), PelvisForce(self.plant.on(side))) for side in Stance}
+        self._motion = {side: StanceMotion(self.plant.on(side), side) for side in Stance}
         self._ground = dict.fromkeys(Stance, 0.0)
         self._next_ground = dict.fromkeys(Stance, 0.0)
 
-    def place(self, stance: Stance, q: FloatArray, dq: FloatArray, foot_y: float) -> None:
-        self.stance, self.state, self.foot_y = stance, np.concatenate([q, dq]), {stance: foot_y}
-        self._rising = True
+    def place(self, stance: Stance, state: State) -> None:
+        """Stand on a foot right after an impact; the feet are level about y = 0, as in a walk on the spot."""
+        self.stance, self.motion, self.phase = stance, self._motion[stance], StepPhase.RISING
+        self.state = State(state.q.copy(), state.dq.copy())
+        self._foot_y = {stance: 0.5 * stance.sign * self._width()}
+        self._turns = 0
+        self._guard()
+
+    @property
+    def guards(self) -> tuple[Guard, ...]:
+        """Whose crossing ends the present phase."""
+        return self._guards
+
+    # ------------------------------------------------------------------ what can be known
+    def read(self, t: float) -> Reading:
+        """True values of everything a sensor measures."""
+        coordinates, stance, (q, dq) = self.biped.stance_map, self.stance, self.state
+        return Reading(
+            t,
+            coordinates.positions_to_urdf(q, stance),
+            coordinates.velocities_to_urdf(dq, stance),
+            -stance.sign * float(self.biped.pelvis_roll(q)),
+            -stance.sign * float(dq[0] + dq[1]),
+            (stance is Stance.LEFT, stance is Stance.RIGHT),
+        )
+
+    def stance_state(self, stance: Stance) -> State:
+        """The state for a foot taken as the stance foot."""
+        state = self.state if stance is self.stance else self.state.relabelled()
+        return State(state.q.copy(), state.dq.copy())
+
+    def reaction(self, stance: Stance) -> Reaction:
+        """Ground reaction on a foot."""
+        return self.motion.reaction(self.state) if stance is self.stance else Reaction(0.0, 0.0, float("nan"))
+
+    def foot_position(self, stance: Stance) -> tuple[float, float]:
+        """y of a foot's ankle [m] and the foot's rotation about +X [rad]."""
+        if stance is self.stance:
+            return self._foot_y[stance], 0.0
+        sign = self.stance.sign
+        return self._foot_y[self.stance] - sign * self._width(), -sign * float(
+            self.biped.swing_foot_rotation(self.state.q)
+        )
+
+    def _width(self) -> float:
+        return float(self.plant.on(self.stance).joint_positions(self.state.q)[-1, 0])
+
+    # ------------------------------------------------------------------ motion
+    def raise_ground(self, stance: Stance, height: float) -> None:
+        """Height of the ground on which a foot in the air will land [m]."""
+        self._next_ground[stance] = height
         self._guard()
 
     def _guard(self) -> None:
         here, swing = self._ground[self.stance], self.stance.other
         guards = walking_guards(self.plant.on(self.stance), self._ground[swing] - here, self._next_ground[swing] - here)
-        self._guards: tuple[Guard, ...] = guards.rising if self._rising else guards.falling
+        self._guards = guards.rising if self.phase is StepPhase.RISING else guards.falling
+        self._values = self._guard_values(self.state)
 
-    def read(self) -> tuple[FloatArray, FloatArray, float, float, tuple[bool, bool]]:
-        coordinates, stance = self.biped.stance_map, self.stance
-        q, dq = self.state[:4], self.state[4:]
-        outwards = -1.0 if stance is Stance.LEFT else 1.0
-        contact = (stance is Stance.LEFT, stance is Stance.RIGHT)
-        return (
-            coordinates.positions_to_urdf(q, stance),
-            coordinates.velocities_to_urdf(dq, stance),
-            outwards * float(self.biped.pelvis_roll(q)),
-            outwards * float(dq[0] + dq[1]),
-            contact,
-        )
+    def _guard_values(self, state: State) -> list[float]:
+        return [guard.function(*state) for guard in self._guards]
 
-    def stance_state(self, stance: Stance) -> tuple[FloatArray, FloatArray]:
-        step = 1 if stance is self.stance else -1
-        return self.state[:4][::step].copy(), self.state[4:][::step].copy()
+    def advance(self, t: float, end: float, tau: FloatArray, pushes: PushForces) -> Move:
+        """Under held joint torques (4,) [N m] from t to ``end`` [s], or to the first event."""
+        motion, friction = self.motion, self.settings.disturbances.friction
+        motion.u = self.biped.stance_map.torques_to_stance(tau, self.stance)
+        steps: list[tuple[float, float, State]] = []
+        while end - t > AT_ONCE:
+            motion.feel(pushes, t)
+            if friction is not None and motion.friction_used(self.state) > friction:
+                return Move(t, steps, EventKind.SLIPPED, EventKind.SLIPPED)
+            h = min(end - t, MAX_STEP)
+            after = motion.advance(self.state, h)
+            values = self._guard_values(after)
+            hit = motion.first_crossing(self.state, h, self._guards, self._values, values)
+            if hit is not None:
+                h, kind = hit
+                t += h
+                self.state = motion.advance(self.state, h)
+                steps.append((h, t, self.state))
+                return Move(t, steps, kind, self.cross(kind))
+            t = end if h == end - t else t + h
+            self.state, self._values = after, values
+            steps.append((h, t, after))
+        return Move(t, steps)
 
-    def reaction(self, stance: Stance) -> tuple[float, float, float]:
-        if stance is not self.stance:
-            return 0.0, 0.0, float("nan")
-        motion, q, dq = self._motion[stance], self.state[:4], self.state[4:]
-        biped = motion.biped
-        wrench = biped.inverse_dynamics(q, dq, biped.forward_dynamics(q, dq, motion.felt(q)))
-        for force, height in motion.pushes:  # the ground carries what the push does not
-            wrench[0] -= force
-            wrench[2] += force * motion.pelvis.height(q, height)
-        return float(wrench[0]), float(wrench[1]), float(wrench[2] / wrench[1])
-
-    def foot_position(self, stance: Stance) -> tuple[float, float]:
-        outwards = -1.0 if self.stance is Stance.LEFT else 1.0
-        if stance is self.stance:
-            return self.foot_y[stance], 0.0
-        q = self.state[:4]
-        distance = float(self.plant.on(self.stance).joint_positions(q)[3, 0])
-        return self.foot_y[self.stance] + outwards * distance, outwards * float(self.biped.swing_foot_rotation(q))
-
-    def raise_ground(self, stance: Stance, height: float) -> None:
-        self._next_ground[stance] = height
-        self._guard()
-
-    def advance(self, t: float, tau: FloatArray, pushes: PushForces) -> EventKind | str | None:
-        left = self.period
-        while left > 0.0:
-            motion = self._motion[self.stance]
-            motion.u = self.biped.stance_map.torques_to_stance(tau, self.stance)
-            motion.pushes = [(along_h(force, self.stance), height) for force, height in pushes.at(t)]
-            if motion.friction_used(self.state) > (self.settings.disturbances.friction or np.inf):
-                return EventKind.SLIPPED
-            before = [guard.function(self.state[:4], self.state[4:]) for guard in self._guards]
-            x = motion.advance(self.state, left)
-            after = [guard.function(x[:4], x[4:]) for guard in self._guards]
-            hit = motion.first_crossing(self.state, left, self._guards, before, after)
-            if hit is None:
-                self.state = x
-                return None
-            elapsed, kind = hit
-            self.state = motion.advance(self.state, elapsed)
-            left -= elapsed
-            if kind in (EventKind.REVERSAL, EventKind.TURNED_OUTWARDS):
-                self._rising = kind is EventKind.TURNED_OUTWARDS
-                self._guard()
-            elif kind is EventKind.IMPACT:
-                fate = self._land()
-                if fate is not None:
-                    return fate
-            else:
-                return kind
-        return None
+    def cross(self, kind: EventKind) -> EventKind | None:
+        """Pass an event at the present state; how the robot fell, if it did."""
+        if kind is EventKind.REVERSAL:
+            self.phase = StepPhase.FALLING
+            self._guard()
+            lands_on = self._next_ground[self.stance.other] - self._ground[self.stance]
+            below = float(self.plant.on(self.stance).swing_sole(self.state.q)[:, 1].min()) < lands_on
+            return EventKind.EARLY_LANDING if below else None
+        if kind is EventKind.TURNED_OUTWARDS and self._turns < MOST_TURNS:
+            self.phase, self._turns = StepPhase.RISING, self._turns + 1
+            self._guard()
+            return None
+        return self._land() if kind is EventKind.IMPACT else kind
 
     def _land(self) -> EventKind | None:
         swing = self.stance.other
-        landing = land(self.plant.on(self.stance), self.state[:4], self.state[4:], self.settings.flat_landing)
+        landing = land(self.plant.on(self.stance), *self.state, self.settings.flat_landing)
         if landing is None:
             return EventKind.EDGE_LANDING
         if landing.friction_used > (self.settings.disturbances.friction or np.inf):
             return EventKind.SLIPPED
-        self.foot_y = {swing: self.foot_position(swing)[0]}
-        self.state = np.concatenate([landing.q_plus, landing.dq_plus])
+        self._foot_y = {swing: self.foot_position(swing)[0]}
+        self._motion[swing].u = relabel(self.motion.u)  # joint torques persist through the impact
+        self.state = State(landing.q_plus, landing.dq_plus)
         self._ground[swing] = self._next_ground[swing]
-        self.stance, self._rising = swing, True
+        self.stance, self.motion, self.phase, self._turns = swing, self._motion[swing], StepPhase.RISING, 0
         self._guard()
         return None

@@ -1,37 +1,15 @@
-"""What stands between the true state and the controller: readings with noise and steps, an observer, a delay."""
-
-from collections import deque
-from typing import NamedTuple
+"""What stands between the true state and the controller: readings with noise and steps, and an observer."""
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.interface import Reading
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.impact import impact
 from frontal_biped.simulation.disturbances import Disturbances
 
 OBSERVER_FREQUENCY = 80.0
 """Natural frequency of the observer's error, critically damped [rad/s]."""
-
-
-class Measurement(NamedTuple):
-    """What the sensors tell; the fields of `Reading`.
-
-    Attributes:
-        time: [s].
-        joint_positions: (4,) URDF joint angles [rad].
-        joint_velocities: (4,) [rad/s]; None where the encoders are noisy or coarse, so that they must be estimated.
-        base_roll: rotation of the pelvis about +X [rad].
-        base_roll_rate: [rad/s].
-        contact: does the left, the right foot touch the ground?
-    """
-
-    time: float
-    joint_positions: FloatArray
-    joint_velocities: FloatArray | None
-    base_roll: float
-    base_roll_rate: float
-    contact: tuple[bool, bool]
 
 
 class Sensors:
@@ -46,56 +24,26 @@ class Sensors:
         self._generator = disturbances.generator("sensors")
 
     def joints(self, positions: FloatArray) -> FloatArray:
-        """(4,) readings of joint angles (4,) [rad]: noise, then the steps of the encoder."""
+        """Readings of joint angles, (4,) each [rad]: noise, then the steps of the encoder."""
         d = self.disturbances
         read = positions
         if d.encoder_noise:
-            read = read + d.encoder_noise * self._generator.standard_normal(4)
+            read = read + d.encoder_noise * self._generator.standard_normal(len(positions))
         if d.quantisation:
             read = d.quantisation * np.round(read / d.quantisation)
         return read
 
-    def read(
-        self,
-        time: float,
-        joint_positions: FloatArray,
-        joint_velocities: FloatArray,
-        base_roll: float,
-        base_roll_rate: float,
-        contact: tuple[bool, bool],
-    ) -> Measurement:
-        """What the sensors make of the true values (units as in `Measurement`)."""
+    def read(self, true: Reading) -> Reading:
+        """What the sensors make of the true values; rates are left out where they must be estimated."""
         d = self.disturbances
-        joints = self.joints(joint_positions)
+        joints = self.joints(true.joint_positions)
+        base_roll, base_roll_rate = true.base_roll, true.base_roll_rate
         if d.imu_noise:
             base_roll += d.imu_noise * float(self._generator.standard_normal())
         if d.gyro_noise:
             base_roll_rate += d.gyro_noise * float(self._generator.standard_normal())
-        velocities = None if d.noisy_sensors else joint_velocities
-        return Measurement(time, joints, velocities, base_roll, base_roll_rate, contact)
-
-
-class DelayLine:
-    """Torques on their way to the motors.
-
-    Args:
-        ticks: control periods from command to motor.
-    """
-
-    def __init__(self, ticks: int) -> None:
-        self._waiting: deque[FloatArray] = deque(maxlen=ticks + 1)
-        self._ticks = ticks
-
-    def push(self, commanded: FloatArray) -> FloatArray:
-        """Send this tick's torques (4,) [N m]; returns those that arrive now: at the start, the first ones sent."""
-        while len(self._waiting) < self._ticks:
-            self._waiting.append(commanded)
-        self._waiting.append(commanded)
-        return self._waiting[0]
-
-    def relabel(self) -> None:
-        """Stance coordinates change places at an impact; URDF joints do not, and need no call."""
-        self._waiting = deque((u[::-1] for u in self._waiting), maxlen=self._waiting.maxlen)
+        velocities = None if d.noisy_sensors else true.joint_velocities
+        return Reading(true.time, joints, velocities, base_roll, base_roll_rate, true.contact)
 
 
 class NoisyEncoders:

@@ -6,6 +6,9 @@ from frontal_biped.exceptions import SimulationError
 from frontal_biped.simulation.disturbances import Disturbances
 from frontal_biped.simulation.hybrid_system import FLAT_LANDING
 
+PERIOD = 1e-3
+"""Control period of a walker where the settings name none [s]."""
+
 
 @dataclass(frozen=True)
 class SimulationSettings:

@@ -1,60 +1,94 @@
 """Motion of the robot on one foot while its torques are held."""
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.optimize import brentq
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.stance_map import Stance
+from frontal_biped.model.state import State
 from frontal_biped.simulation.hybrid_system import EventKind, Guard
-from frontal_biped.simulation.pushes import PelvisForce
+from frontal_biped.simulation.pushes import PelvisForce, PushForces, along_h
+
+
+class Reaction(NamedTuple):
+    """What the ground does to the stance foot.
+
+    Attributes:
+        F_h: [N].
+        F_v: [N].
+        p_fri: where it acts, from the ankle [m]; nan where it carries nothing.
+    """
+
+    F_h: float
+    F_v: float
+    p_fri: float
 
 
 class StanceMotion:
-    """The robot on one foot under held torques and forces.
+    """The robot on one foot under held torques and pushes.
 
     Args:
         biped: the robot that moves.
-        pelvis: how it feels a push.
+        stance: the foot it stands on.
 
     Attributes:
         u: (4,) torques of the motors [N m].
         pushes: force along h [N] and height above the hip line [m] of each push.
     """
 
-    def __init__(self, biped: FrontalBiped, pelvis: PelvisForce) -> None:
-        self.biped, self.pelvis = biped, pelvis
-        self.u: FloatArray = np.zeros(4)
+    def __init__(self, biped: FrontalBiped, stance: Stance) -> None:
+        self.biped, self.stance = biped, stance
+        self.u: FloatArray = np.zeros(len(biped.max_torque))
         self.pushes: list[tuple[float, float]] = []
+        self._pelvis = PelvisForce(biped)
+
+    def feel(self, pushes: PushForces, t: float) -> None:
+        """Take what acts at time t [s]."""
+        self.pushes = [(along_h(force, self.stance), height) for force, height in pushes.at(t)]
 
     def felt(self, q: FloatArray) -> FloatArray:
         """(4,) generalized forces of motors and pushes at q (4,) [N m]."""
         u = self.u
         for force, height in self.pushes:
-            u = u + self.pelvis.torques(q, force, height)
+            u = u + self._pelvis.torques(q, force, height)
         return u
 
-    def friction_used(self, x: FloatArray) -> float:
-        """Coefficient of friction |F_h| / F_v that keeps the stance foot at rest; inf if the ground would pull."""
-        q, dq = x[:4], x[4:]
-        wrench = self.biped.inverse_dynamics(q, dq, self.biped.forward_dynamics(q, dq, self.felt(q)))
-        F_h = wrench[0] - sum(force for force, _ in self.pushes)
-        return float(abs(F_h) / wrench[1]) if wrench[1] > 0.0 else float("inf")
+    def reaction(self, state: State) -> Reaction:
+        """Ground reaction; it carries what the pushes do not."""
+        q, dq = state
+        ddq = self.biped.forward_dynamics(q, dq, self.felt(q))
+        F_h, F_v, N_0, *_ = self.biped.inverse_dynamics(q, dq, ddq)
+        for force, height in self.pushes:
+            F_h -= force
+            N_0 += force * self._pelvis.height(q, height)
+        return Reaction(float(F_h), float(F_v), float(N_0 / F_v))
 
-    def advance(self, x: FloatArray, h: float) -> FloatArray:
-        """State (8,) after h [s], by a Runge-Kutta step of order 4."""
+    def friction_used(self, state: State) -> float:
+        """Coefficient of friction |F_h| / F_v that keeps the stance foot at rest; inf if the ground would pull."""
+        F_h, F_v, _ = self.reaction(state)
+        return abs(F_h) / F_v if F_v > 0.0 else float("inf")
+
+    def advance(self, state: State, h: float) -> State:
+        """State after h [s], by a Runge-Kutta step of order 4."""
+        n = len(state.q)
 
         def derivative(x: FloatArray) -> FloatArray:
-            return np.concatenate([x[4:], self.biped.forward_dynamics(x[:4], x[4:], self.felt(x[:4]))])
+            return np.concatenate([x[n:], self.biped.forward_dynamics(x[:n], x[n:], self.felt(x[:n]))])
 
+        x = np.concatenate(state)
         k1 = derivative(x)
         k2 = derivative(x + 0.5 * h * k1)
         k3 = derivative(x + 0.5 * h * k2)
         k4 = derivative(x + h * k3)
-        return x + (h / 6.0) * (k1 + 2.0 * (k2 + k3) + k4)
+        x = x + (h / 6.0) * (k1 + 2.0 * (k2 + k3) + k4)
+        return State(x[:n], x[n:])
 
     def first_crossing(
         self,
-        x: FloatArray,
+        state: State,
         h: float,
         guards: tuple[Guard, ...],
         before: list[float],
@@ -66,8 +100,7 @@ class StanceMotion:
             if a * guard.direction < 0.0 <= b * guard.direction:
 
                 def value(tau: float, guard: Guard = guard) -> float:
-                    y = self.advance(x, tau)
-                    return guard.function(y[:4], y[4:])
+                    return guard.function(*self.advance(state, tau))
 
                 found.append((float(brentq(value, 0.0, h, xtol=1e-14)), guard.kind))
         return min(found, key=lambda item: item[0]) if found else None

@@ -15,6 +15,9 @@ from frontal_biped.files.atomic import atomic_path
 
 FORMAT, VERSION = "frontal-biped-run", 1
 
+COMPLETED = "completed"
+"""Outcome of a walk that took all its steps."""
+
 
 @dataclass(frozen=True)
 class Trajectory:
@@ -71,7 +74,7 @@ class Trajectory:
     @property
     def fell(self) -> bool:
         """Did the robot fall?"""
-        return self.outcome != "completed"
+        return self.outcome != COMPLETED
 
     @property
     def output_error(self) -> FloatArray:
@@ -89,12 +92,17 @@ class Trajectory:
         part |= {name: getattr(self, name)[events] for name in ("event_t", "event_step", "event_state")}
         part["event_kind"] = tuple(kind for kind, kept in zip(self.event_kind, events, strict=True) if kept)
         part["steps_completed"] = min(self.steps_completed, count)
-        part["outcome"] = "completed" if count <= self.steps_completed else self.outcome
+        part["outcome"] = COMPLETED if count <= self.steps_completed else self.outcome
         return replace(self, **part)
 
     def post_impact_states(self) -> FloatArray:
         """(k, 8) q and dq right after each impact."""
         return self.event_state[self.events("IMPACT")]
+
+    @property
+    def post_impact_speeds(self) -> FloatArray:
+        """(k,) dbeta right after each impact [rad/s]."""
+        return self.post_impact_states()[:, self.q.shape[1]]
 
 
 _ARRAYS = tuple(f.name for f in fields(Trajectory) if f.type is FloatArray or f.type == "FloatArray")

@@ -16,10 +16,11 @@ from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.model.stance_map import Stance
+from frontal_biped.model.state import State
 from frontal_biped.simulation.disturbances import Disturbances
 from frontal_biped.simulation.event_driven import simulate_walk
 from frontal_biped.simulation.mujoco.walk import walk_in_mujoco
-from frontal_biped.simulation.rigid import walk_sensed
+from frontal_biped.simulation.sensed import walk_sensed
 from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.simulation.trajectory import Trajectory
 
@@ -63,13 +64,11 @@ def simulate(
     settings = replace(base, steps=steps, period=period, disturbances=disturbances or base.disturbances)
     chosen = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
     controller = QpController(biped, gait, controller_settings or sampled_settings(gait, period), chosen)
-    q, dq = gait.state_after_impact()
     stored = {**asdict(controller.settings), "speed_error": speed_error, "stabiliser": chosen.name}
     run = simulate_walk(
         biped,
         controller,
-        q,
-        (1.0 + speed_error) * dq,
+        start_state(gait, speed_error),
         settings,
         errors=errors,
         stance=stance,
@@ -80,6 +79,12 @@ def simulate(
     counters = ("ticks", "unsolved", "relaxed", "held", "declined")
     counted = {**stored, **{name: getattr(controller, name) for name in counters}}
     return replace(run, settings={**run.settings, "controller": counted})
+
+
+def start_state(gait: Gait, speed_error: float = 0.0) -> State:
+    """State on the periodic orbit right after an impact, all speeds off by a relative error."""
+    q, dq = gait.state_after_impact()
+    return State(q, (1.0 + speed_error) * dq)
 
 
 def walk(
@@ -125,13 +130,11 @@ def walk(
     known = disturbances or Disturbances()
     delay = period * known.delay_ticks(period)
     walker = Walker(biped, gait, period=period, settings=controller_settings, stabiliser=stabiliser, delay=delay)
-    q, dq = gait.state_after_impact()
     settings = SimulationSettings(steps=steps, period=period, disturbances=known)
     return ENGINES[engine](
         biped,
         walker,
-        q,
-        (1.0 + speed_error) * dq,
+        start_state(gait, speed_error),
         settings,
         errors=errors,
         stance=stance,

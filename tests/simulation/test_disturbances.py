@@ -91,5 +91,5 @@ def test_two_hundred_noisy_steps(biped, robust_gait, seed):
     run = simulate(biped, robust_gait, steps=200, period=PERIOD, stabiliser="ankle", disturbances=noise)
     assert run.outcome == "completed"
     assert run.steps_completed == 200
-    errors = run.post_impact_states()[:, 4] / robust_gait.orbit.beta_dot_after_impact - 1.0
+    errors = run.post_impact_speeds / robust_gait.orbit.beta_dot_after_impact - 1.0
     assert np.max(np.abs(errors)) < 0.1

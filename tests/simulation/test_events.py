@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from frontal_biped.model import State
 from frontal_biped.simulation import SimulationSettings, simulate_walk
 from frontal_biped.simulation.hybrid_system import FLAT_LANDING, EventKind, land, walking_guards
 from frontal_biped.virtual_constraints import double_support_pose
@@ -26,7 +27,7 @@ class ConstantTorque:
 
 
 def walk(biped, controller, q, dq, **settings):
-    return simulate_walk(biped, controller, q, dq, SimulationSettings(steps=1, **settings))
+    return simulate_walk(biped, controller, State(q, dq), SimulationSettings(steps=1, **settings))
 
 
 @pytest.mark.parametrize("period", [1e-3, 2.7e-3])
@@ -55,7 +56,7 @@ def test_too_fast_outwards_tips_over(biped, reference_gait):
 
     q, dq = reference_gait.state_after_impact()
     run = simulate_walk(
-        biped, QpController(biped, reference_gait), q, 6.0 * dq, SimulationSettings(steps=1, period=1e-3)
+        biped, QpController(biped, reference_gait), State(q, 6.0 * dq), SimulationSettings(steps=1, period=1e-3)
     )
     assert run.fell
     assert run.steps_completed == 0

@@ -5,10 +5,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from frontal_biped.control.interface import Reading
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.simulation import Disturbances, Push
+from frontal_biped.simulation.motors import DelayLine
 from frontal_biped.simulation.pushes import PelvisForce, PushForces
-from frontal_biped.simulation.sensors import DelayLine, Sensors
+from frontal_biped.simulation.sensors import Sensors
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 
@@ -66,7 +68,8 @@ def test_encoder_steps_and_noise():
     ("disturbances", "rates"), [({}, True), ({"encoder_noise": 1e-4}, False), ({"quantisation": 1e-3}, False)]
 )
 def test_rates_are_only_read_from_perfect_encoders(disturbances, rates):
-    read = Sensors(Disturbances(**disturbances)).read(0.0, np.zeros(4), np.ones(4), 0.1, 0.2, (True, False))
+    true = Reading(0.0, np.zeros(4), np.ones(4), 0.1, 0.2, (True, False))
+    read = Sensors(Disturbances(**disturbances)).read(true)
     assert (read.joint_velocities is not None) is rates
     assert (read.base_roll, read.base_roll_rate, read.contact) == (0.1, 0.2, (True, False))
 

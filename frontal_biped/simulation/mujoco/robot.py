@@ -9,6 +9,7 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import GRAVITY, UPRIGHT
 from frontal_biped.model.perturbation import LINKS, ModelErrors
 from frontal_biped.model.stance_map import Stance
+from frontal_biped.model.state import State
 from frontal_biped.simulation.mujoco.model import (
     BASE_JOINTS,
     ContactSettings,
@@ -18,6 +19,7 @@ from frontal_biped.simulation.mujoco.model import (
     mujoco_model,
     sole_of,
 )
+from frontal_biped.simulation.stance_motion import Reaction
 
 
 class FootLoad(NamedTuple):
@@ -80,18 +82,18 @@ class MujocoRobot:
             model.body_mass[body] *= errors.mass[i]
             model.body_inertia[body] *= errors.inertia[i]
             model.body_ipos[body] += orientation.T @ np.array([0.0, *errors.com[i]])
-        for i, stance in enumerate((Stance.LEFT, Stance.RIGHT)):
+        for i, stance in enumerate(Stance):
             model.body_pos[self._feet[stance]] *= errors.length[i]
         self._mujoco.mj_setConst(model, data)
 
     # ------------------------------------------------------------------ state
-    def place(self, stance: Stance, q: FloatArray, dq: FloatArray, foot_y: float) -> None:
-        """Stand on a foot, flat and at rest on the ground at ``foot_y`` [m], at q (4,) [rad], dq (4,) [rad/s]."""
+    def stand(self, stance: Stance, state: State, foot_y: float) -> None:
+        """Stand on a foot, flat and at rest on the ground at ``foot_y`` [m]."""
+        q, dq = state
         biped, model, data = self.biped, self.model, self.data
-        outwards = _sense_of_x(stance)
         data.qpos[:] = 0.0
         data.qpos[self._q_at] = biped.stance_map.positions_to_urdf(q, stance)
-        data.qpos[self._base[2]] = outwards * biped.pelvis_roll(q)
+        data.qpos[self._base[2]] = -stance.sign * biped.pelvis_roll(q)
         self._mujoco.mj_kinematics(model, data)
         foot = self._feet[stance]
         data.qpos[self._base[0]] += foot_y - data.xpos[foot, 1]
@@ -125,11 +127,11 @@ class MujocoRobot:
         """[rad/s]."""
         return float(self.data.qvel[self._base[2]])
 
-    def stance_state(self, stance: Stance) -> tuple[FloatArray, FloatArray]:
-        """q (4,) [rad] and dq (4,) [rad/s] by the joints, for a foot taken as the stance foot."""
+    def stance_state(self, stance: Stance) -> State:
+        """The state by the joints, for a foot taken as the stance foot."""
         coordinates = self.biped.stance_map
         q = coordinates.positions_to_stance(self.joint_positions, stance)
-        return q, coordinates.velocities_to_stance(self.joint_velocities, stance)
+        return State(q, coordinates.velocities_to_stance(self.joint_velocities, stance))
 
     @property
     def height(self) -> float:
@@ -139,7 +141,7 @@ class MujocoRobot:
     def com_offset(self, stance: Stance) -> float:
         """Where the centre of mass is along h, from a foot's ankle [m]."""
         along_y = float(self._com()[1]) - self.foot_position(stance)[0]
-        return along_y * _h_along_y(stance)
+        return -stance.sign * along_y  # h points from the stance foot towards the swing foot
 
     def _com(self) -> FloatArray:
         return self.data.subtree_com[self._bodies["pelvis"]]
@@ -191,11 +193,11 @@ class MujocoRobot:
             moment += y * force[2] - z * force[1]
         return FootLoad(float(force_y), float(force_z), float(moment))
 
-    def reaction(self, stance: Stance) -> tuple[float, float, float]:
-        """Ground reaction F_h, F_v [N] on a stance foot and its FRI [m]; nan where it carries nothing."""
-        load, h = self.load(stance), _h_along_y(stance)
+    def reaction(self, stance: Stance) -> Reaction:
+        """Ground reaction on a stance foot."""
+        load, h = self.load(stance), -stance.sign
         fri = load.moment * h / load.force_z if load.force_z > 0.0 else float("nan")
-        return h * load.force_y, load.force_z, fri
+        return Reaction(h * load.force_y, load.force_z, fri)
 
     def foot_position(self, stance: Stance) -> tuple[float, float]:
         """y of a foot's ankle [m] and the foot's rotation about +X [rad]."""
@@ -228,13 +230,3 @@ class MujocoRobot:
     def weight(self) -> float:
         """[N]."""
         return float(self.model.body_mass.sum() * GRAVITY)
-
-
-def _sense_of_x(stance: Stance) -> float:
-    """+1 where counter-clockwise in (h, v) is a rotation about +X, -1 where it is one about -X."""
-    return -1.0 if stance is Stance.LEFT else 1.0
-
-
-def _h_along_y(stance: Stance) -> float:
-    """h points from the stance foot towards the swing foot: -Y in left stance."""
-    return -1.0 if stance is Stance.LEFT else 1.0

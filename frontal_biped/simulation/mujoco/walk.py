@@ -4,23 +4,25 @@ MuJoCo computes contact, friction and impact; the disturbances are those of our 
 like any other, so page, figures and expectations work on it.
 """
 
-from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.interface import Tickable
+from frontal_biped.control.interface import Reading, Tickable
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.model.stance_map import Stance
+from frontal_biped.model.state import State
 from frontal_biped.simulation.hybrid_system import EventKind
-from frontal_biped.simulation.loop import PERIOD, SensedLoop
 from frontal_biped.simulation.mujoco.model import TIMESTEP, ContactSettings
 from frontal_biped.simulation.mujoco.robot import MujocoRobot
 from frontal_biped.simulation.pushes import PushForces
-from frontal_biped.simulation.settings import SimulationSettings
+from frontal_biped.simulation.rigid import Move
+from frontal_biped.simulation.sensed import walk_in
+from frontal_biped.simulation.settings import PERIOD, SimulationSettings
 from frontal_biped.simulation.trajectory import Trajectory
 
 LOWEST = 0.6
@@ -36,35 +38,28 @@ DIVERGED = "MuJoCo's state is no longer finite"
 
 
 def walk_in_mujoco(
-    plant: FrontalBiped,
+    biped: FrontalBiped,
     walker: Tickable,
-    q0: FloatArray,
-    dq0: FloatArray,
+    start: State,
     settings: SimulationSettings | None = None,
     *,
     errors: ModelErrors | None = None,
-    stance: Stance = Stance.LEFT,
-    on_step: Callable[[int], None] | None = None,
-    gait: Mapping[str, Any] | None = None,
     contact: ContactSettings | None = None,
+    **others: Any,
 ) -> Trajectory:
-    """Walk from a state right after an impact.
+    """`walk_in` MuJoCo, whose model is built from the robot's URDF and description.
 
     Args:
-        plant: the robot whose URDF and description MuJoCo's model is built from.
+        biped: the robot.
         walker: answers readings; it may believe in another robot.
-        q0: (4,) stance coordinates after the impact [rad].
-        dq0: (4,) their rates [rad/s].
-        settings: steps, period (default 1 ms), recording and disturbances.
+        start: state after the impact.
+        settings: steps, period, recording and disturbances.
         errors: of MuJoCo's bodies.
-        stance: the first stance foot.
-        on_step: called with the number of completed steps.
-        gait: content of the gait file, kept with the run.
         contact: contact and physics step; the disturbances' friction takes precedence.
+        others: of `walk_in`.
 
     Returns:
-        The run; a fall is an outcome, not an error. ``settings["measured"]`` holds the means and the largest values
-        over the steps of what `sensed_loop.Measured` lists: foot slip and rotation, double support, work, effort.
+        The run; a fall is an outcome, not an error.
 
     Raises:
         MissingExtraError: MuJoCo is not installed.
@@ -75,13 +70,12 @@ def walk_in_mujoco(
     used = contact or ContactSettings(timestep=period / max(1, round(period / TIMESTEP)))
     if chosen.disturbances.friction is not None:
         used = used._replace(friction=chosen.disturbances.friction)
-    engine = _MujocoEngine(plant, errors, used, period)
-    run = SensedLoop(engine, plant, walker, chosen, errors).run(q0, dq0, stance, on_step, gait)
-    run.settings["contact"] = used._asdict()  # type: ignore[index]
-    return run
+    engine = MujocoEngine(biped, errors, used, period)
+    run = walk_in(engine, biped, walker, start, chosen, errors=errors, **others)
+    return replace(run, settings={**run.settings, "contact": used._asdict()})
 
 
-class _MujocoEngine(MujocoRobot):
+class MujocoEngine(MujocoRobot):
     """`MujocoRobot` as the loop wants it: one control period at a time, and an eye on falls."""
 
     name = "mujoco"
@@ -99,24 +93,35 @@ class _MujocoEngine(MujocoRobot):
         self._lowest = LOWEST * self.upright_height
         self._waiting: dict[Stance, float] = {}
 
-    def read(self) -> tuple[FloatArray, FloatArray, float, float, tuple[bool, bool]]:
-        return self.joint_positions, self.joint_velocities, self.base_roll, self.base_roll_rate, self.contact
+    def place(self, stance: Stance, state: State) -> None:
+        """Stand on a foot right after an impact; the feet are level about y = 0."""
+        self.stand(stance, state, 0.5 * stance.sign * float(self.biped.joint_positions(state.q)[-1, 0]))
+
+    def read(self, t: float) -> Reading:
+        """True values of everything a sensor measures."""
+        return Reading(
+            t, self.joint_positions, self.joint_velocities, self.base_roll, self.base_roll_rate, self.contact
+        )
 
     def raise_ground(self, stance: Stance, height: float) -> None:
         """As soon as the foot has cleared it."""
         self._waiting[stance] = height
 
-    def advance(self, t: float, tau: FloatArray, pushes: PushForces) -> EventKind | str | None:
+    def advance(self, t: float, end: float, tau: FloatArray, pushes: PushForces) -> Move:
+        """One control period under joint torques (4,) [N m]; of events only a fall is told."""
         for side, height in list(self._waiting.items()):
             if self.clearance(side) > max(self.ground(side), height) + CLEAR:
                 self.set_ground(side, self._waiting.pop(side))
         self.run(tau, self._substeps, pushes.at(t))
+        return Move(end, fell=self._fate())
+
+    def _fate(self) -> EventKind | str | None:
+        """How the robot has fallen, if it has."""
         if not np.isfinite(self.data.qpos).all():
             return DIVERGED
         if self.height < self._lowest:
             return EventKind.COLLAPSED
-        left, right = self.contact
-        for side, touches in ((Stance.LEFT, left), (Stance.RIGHT, right)):
+        for side, touches in zip(Stance, self.contact, strict=True):
             if touches and abs(self.foot_position(side)[1]) > TIPPED:
                 return EventKind.TIPPED_OUTWARDS if self.com_offset(side) < 0.0 else EventKind.EDGE_LANDING
         return None

@@ -11,6 +11,7 @@ from frontal_biped.gait.file import load_gait
 from frontal_biped.model import load_robot
 from frontal_biped.model.perturbation import ModelErrors, Plant
 from frontal_biped.model.stance_map import Stance
+from frontal_biped.model.state import State
 from frontal_biped.simulation import Disturbances, Push, load_trajectory, save_trajectory
 from frontal_biped.simulation.mujoco.model import BASE_JOINTS, ContactSettings
 from frontal_biped.simulation.mujoco.robot import MujocoRobot
@@ -76,7 +77,7 @@ def test_masses_with_errors_are_those_of_our_perturbed_plant(biped):
     joints = [model.joint(name).dofadr[0] for name in (*BASE_JOINTS, *biped.stance_map.joint_names)]
     q = -0.5 * np.pi + np.array([-0.05, 0.08, 0.03, -0.04])
     for stance in Stance:
-        robot.place(stance, q, np.zeros(4), 0.0)
+        robot.stand(stance, State(q, np.zeros(4)), 0.0)
         M, J = np.zeros((7, 7)), np.zeros((6, 7))
         mujoco.mj_fullM(model, data, M)
         foot = model.joint(biped.stance_map.joint_names[0 if stance is Stance.LEFT else 3])
@@ -121,7 +122,7 @@ def test_walker_knows_the_delay(biped, rough):
 def test_physics_step_must_divide_the_period(biped, rough):
     q, dq = rough.state_after_impact()
     with pytest.raises(SimulationError, match="does not divide"):
-        walk_in_mujoco(biped, Walker(biped, rough), q, dq, contact=ContactSettings(timestep=3e-4))
+        walk_in_mujoco(biped, Walker(biped, rough), State(q, dq), contact=ContactSettings(timestep=3e-4))
 
 
 def test_delay_must_be_a_multiple_of_the_period(biped, rough):

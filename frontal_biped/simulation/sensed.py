@@ -1,0 +1,269 @@
+"""A walker in a run: it sees sensor readings only, and phases and stance foot are those that it takes them for.
+
+q, dq, forces and FRI of the recording are the engine's.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.control.interface import PhaseEvent, Tickable, WalkerCommand
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.perturbation import ModelErrors
+from frontal_biped.model.stance_map import Stance
+from frontal_biped.model.state import State
+from frontal_biped.simulation.hybrid_system import EventKind
+from frontal_biped.simulation.loop import Decision, Engine, Steps, run_sampled
+from frontal_biped.simulation.motors import Motors
+from frontal_biped.simulation.pushes import PushForces
+from frontal_biped.simulation.recorder import Recorder
+from frontal_biped.simulation.rigid import Move, RigidEngine
+from frontal_biped.simulation.sensors import Sensors
+from frontal_biped.simulation.settings import PERIOD, SimulationSettings
+from frontal_biped.simulation.trajectory import Trajectory
+
+AIRBORNE = 0.02
+"""Time without contact that makes a foot a swing foot [s]; landings without it are not counted as steps."""
+
+SETTLED = 0.03
+"""Time after a landing before slip and rotation of the foot are measured [s]."""
+
+RINGING = 0.01
+"""Time after a landing when the state after the impact is taken [s]: a soft contact has done its work by then."""
+
+_EVENTS = {PhaseEvent.REVERSAL: EventKind.REVERSAL, PhaseEvent.TURNED_OUTWARDS: EventKind.TURNED_OUTWARDS}
+
+
+@dataclass
+class Measured:
+    """What the sampled trajectory does not show, step by step.
+
+    Attributes:
+        slip: largest motion of the stance foot after it has settled [m].
+        rotation: largest rotation of the stance foot from flat after it has settled [rad].
+        double_support: time with both feet on the ground [s].
+        work: of the joint torques, taken without sign [J].
+        effort: integral of the squared torques [N^2 m^2 s].
+    """
+
+    slip: list[float] = field(default_factory=list)
+    rotation: list[float] = field(default_factory=list)
+    double_support: list[float] = field(default_factory=list)
+    work: list[float] = field(default_factory=list)
+    effort: list[float] = field(default_factory=list)
+
+    def summary(self) -> dict[str, dict[str, float]]:
+        """Mean and largest value over the steps."""
+        return {
+            name: {"mean": float(np.mean(values)), "largest": float(np.max(values))}
+            for name, values in asdict(self).items()
+            if values
+        }
+
+
+class Sensed:
+    """The pilot of a walker.
+
+    Args:
+        engine: moves the robot.
+        biped: the robot of the files.
+        walker: answers readings.
+        settings: period, recording and disturbances.
+        steps: counts and tells.
+        recorder: of samples and events.
+    """
+
+    def __init__(
+        self,
+        engine: Engine,
+        biped: FrontalBiped,
+        walker: Tickable,
+        settings: SimulationSettings,
+        steps: Steps,
+        recorder: Recorder,
+    ) -> None:
+        self._engine, self._biped, self._walker = engine, biped, walker
+        self._steps, self._recorder = steps, recorder
+        self._sensors = Sensors(settings.disturbances)
+        self._period = settings.period or PERIOD
+        self._every = max(1, round(1.0 / (settings.record_rate * self._period)))
+        self._ticks = 0
+        self._airborne = dict.fromkeys(Stance, 0.0)
+        self._impact: tuple[float, int, Stance] | None = None  # whose state is still to be taken
+        self.measured = Measured()
+        self._new_step(0.0)
+
+    @property
+    def since(self) -> float:
+        """When the present phase began, as the walker believes [s]."""
+        return self._steps.since
+
+    def decide(self, t: float) -> Decision | None:
+        """Show the walker what the sensors tell; None after the last landing that it noticed."""
+        true = self._engine.read(t)
+        command = self._walker.tick(self._sensors.read(true))
+        self.take_impact(t)
+        event, stance, steps = command.event, command.stance, self._steps
+        if event is PhaseEvent.LANDING and self._airborne[stance] >= AIRBORNE:
+            self._airborne[stance] = 0.0
+            self._end_step()
+            self._new_step(t)
+            self._impact = (t, steps.count, stance)
+            steps.land(t, stance)
+            steps.announce()
+            if steps.complete:
+                return None
+        elif event in _EVENTS:
+            steps.turn(t, _EVENTS[event], stance)
+        for side, touches in zip(Stance, true.contact, strict=True):
+            self._airborne[side] = self._airborne[side] if touches else self._airborne[side] + self._period
+        self._command, self._touching, self._rates = command, true.contact, true.joint_velocities
+        return Decision(command.joint_torques)
+
+    def sent(self, t: float, tau: FloatArray) -> None:
+        """Measure and record what acts from now on."""
+        self._measure(t, tau)
+        if self._ticks % self._every == 0 or self._command.event is not None:
+            self._sample(t, self._command, tau)
+        self._ticks += 1
+
+    def moved(self, move: Move) -> str | None:
+        """The walker learns of events from the sensors at its next tick; only a fall ends the walk here."""
+        if move.fell is None:
+            return None
+        if isinstance(move.fell, str):
+            return move.fell
+        self._steps.fall(self._ticks * self._period, move.fell, self._command.stance)
+        return move.fell.value
+
+    def settings(self) -> dict[str, Any]:
+        """What the run keeps of the walker and its steps."""
+        controller = getattr(getattr(self._walker, "controller", None), "settings", None)
+        counters = getattr(self._walker, "counters", dict)
+        return {
+            "controller": {
+                "kind": type(self._walker).__name__,
+                **(asdict(controller) if is_dataclass(controller) and not isinstance(controller, type) else {}),
+                **counters(),
+            },
+            "measured": self.measured.summary(),
+        }
+
+    # ------------------------------------------------------------------ records
+    def take_impact(self, t: float) -> None:
+        """Take the state after the last impact, if by time t [s] the contact has done its work."""
+        if self._impact is None:
+            return
+        began, step, stance = self._impact
+        if t - began > RINGING:
+            self._recorder.event(began, EventKind.IMPACT, step, self._engine.stance_state(stance))
+            self._impact = None
+
+    def _new_step(self, t: float) -> None:
+        self._began = t
+        self._foot: float | None = None
+        self._slip = self._rotation = self._double = self._work = self._effort = 0.0
+
+    def _end_step(self) -> None:
+        measured = self.measured
+        measured.slip.append(self._slip)
+        measured.rotation.append(self._rotation)
+        measured.double_support.append(self._double)
+        measured.work.append(self._work)
+        measured.effort.append(self._effort)
+
+    def _measure(self, t: float, tau: FloatArray) -> None:
+        h = self._period
+        self._double += h * all(self._touching)
+        assert self._rates is not None  # the engine knows them
+        self._work += h * float(np.abs(tau) @ np.abs(self._rates))
+        self._effort += h * float(tau @ tau)
+        if t - self._began < SETTLED or all(self._touching):
+            return
+        y, rotation = self._engine.foot_position(self._command.stance)
+        if self._foot is None:
+            self._foot = y
+        self._slip = max(self._slip, abs(y - self._foot))
+        self._rotation = max(self._rotation, abs(rotation))
+
+    def _sample(self, t: float, command: WalkerCommand, tau: FloatArray) -> None:
+        stance = command.stance
+        self._recorder.sample(
+            t,
+            self._engine.stance_state(stance),
+            self._biped.stance_map.torques_to_stance(tau, stance),
+            self._engine.reaction(stance),
+            p_fri_target=command.p_fri_target,
+            q_b_desired=command.q[1:] - command.y,
+            phase=command.phase,
+            stance=stance,
+            stance_y=self._engine.foot_position(stance)[0],
+            step=self._steps.count,
+        )
+
+
+def walk_in(
+    engine: Engine,
+    biped: FrontalBiped,
+    walker: Tickable,
+    start: State,
+    settings: SimulationSettings,
+    *,
+    errors: ModelErrors | None = None,
+    stance: Stance = Stance.LEFT,
+    on_step: Callable[[int], None] | None = None,
+    gait: Mapping[str, Any] | None = None,
+) -> Trajectory:
+    """Walk from a state right after an impact, in any engine.
+
+    Args:
+        engine: moves the robot.
+        biped: the robot of the files.
+        walker: answers readings; it may believe in another robot.
+        start: state after the impact.
+        settings: steps, period, recording and disturbances.
+        errors: of the engine's robot, for the record.
+        stance: the first stance foot.
+        on_step: called with the number of completed steps.
+        gait: content of the gait file, kept with the run.
+
+    Returns:
+        The run; a fall is an outcome, not an error. ``settings["measured"]`` holds the means and the largest values
+        over the steps of what `Measured` lists.
+    """
+    period = settings.period or PERIOD
+    recorder, pushes = Recorder(), PushForces(settings.disturbances.pushes)
+    steps = Steps(engine, settings, pushes, recorder, on_step)
+    engine.place(stance, start)
+    walker.reset(stance, *start)
+    steps.start(stance)
+    pilot = Sensed(engine, biped, walker, settings, steps, recorder)
+    motors = Motors(settings.disturbances, period, biped.max_torque)
+    outcome = run_sampled(engine, pilot, motors, pushes, period)
+    pilot.take_impact(np.inf)
+    stored = {
+        **asdict(settings),
+        "period": period,
+        "disturbances": settings.disturbances.as_dict(),
+        "engine": engine.name,
+        "errors": None if errors is None else errors.as_dict(),
+        **pilot.settings(),
+    }
+    return recorder.finish(biped.name, outcome, steps.count, gait or {}, stored)
+
+
+def walk_sensed(
+    biped: FrontalBiped,
+    walker: Tickable,
+    start: State,
+    settings: SimulationSettings | None = None,
+    *,
+    errors: ModelErrors | None = None,
+    **others: Any,
+) -> Trajectory:
+    """`walk_in` our own engine: rigid impacts, of which the walker learns from the contact flags at its next tick."""
+    chosen = settings or SimulationSettings()
+    return walk_in(RigidEngine(biped, errors, chosen), biped, walker, start, chosen, errors=errors, **others)
