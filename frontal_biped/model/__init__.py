@@ -1,8 +1,9 @@
 """The robot: URDF and description in, dynamics in stance coordinates out ([O] Sec. II)."""
 
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.catalogue import load_robot, models_dir, robot_names
+from frontal_biped.model.catalogue import load_robot, load_whole_robot, models_dir, robot_names
 from frontal_biped.model.impact import Impact, impact
+from frontal_biped.model.robot import JointLimits, Robot
 from frontal_biped.model.stance_map import Stance, StanceMap, relabel
 from frontal_biped.model.state import State
 from frontal_biped.model.urdf.description import RobotDescription, Sole
@@ -10,6 +11,8 @@ from frontal_biped.model.urdf.description import RobotDescription, Sole
 __all__ = [
     "FrontalBiped",
     "Impact",
+    "JointLimits",
+    "Robot",
     "RobotDescription",
     "Sole",
     "Stance",
@@ -17,6 +20,7 @@ __all__ = [
     "StanceMap",
     "impact",
     "load_robot",
+    "load_whole_robot",
     "models_dir",
     "relabel",
     "robot_names",

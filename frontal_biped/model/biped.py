@@ -15,8 +15,8 @@ import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.chain import GRAVITY, UPRIGHT
-from frontal_biped.model.urdf.description import RobotDescription
-from frontal_biped.model.urdf.reduction import FrontalReduction
+from frontal_biped.model.robot import Robot
+from frontal_biped.model.urdf.reduction import FrontalReduction, reduce_to_frontal_plane
 
 BASE = 3  # freedoms of the stance foot in the floating model
 
@@ -26,11 +26,24 @@ class FrontalBiped:
 
     All angles in rad, frame (h, v): h horizontal from the stance foot towards the swing foot, v up, origin on the
     ground below the stance ankle. Instances own Pinocchio work data and are not thread-safe.
+
+    Args:
+        robot: the whole robot of which this is the view from the front.
+        reduction: its reduction to the plane, or that changed since; None: reduced here.
+        fingerprint: of a changed reduction; None: the robot's.
+
+    Raises:
+        HypothesisError: the robot is no open chain of two mirrored legs with four actuated roll joints in the
+            frontal plane (HR1 to HR5).
     """
 
-    def __init__(self, description: RobotDescription, fingerprint: str, reduction: FrontalReduction) -> None:
-        self.description = description
-        self.fingerprint = fingerprint
+    def __init__(self, robot: Robot, reduction: FrontalReduction | None = None, fingerprint: str | None = None) -> None:
+        self._made_of = (robot, reduction, fingerprint)
+        reduction = reduce_to_frontal_plane(robot) if reduction is None else reduction
+        self.robot = robot
+        self.reduction = reduction
+        self.description = robot.description
+        self.fingerprint = robot.fingerprint if fingerprint is None else fingerprint
         self.chain = reduction.chain
         self.stance_map = reduction.stance_map
         self.spatial_model = reduction.model
@@ -47,10 +60,8 @@ class FrontalBiped:
         self._ddq = np.zeros(BASE + 4)
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle by file: a worker process builds its own Pinocchio data."""
-        from frontal_biped.model.catalogue import load_robot
-
-        return load_robot, (self.description.path,)
+        """Pickle by what it is made of: a worker process builds its own Pinocchio data."""
+        return FrontalBiped, self._made_of
 
     # ------------------------------------------------------------------ parameters
     @property

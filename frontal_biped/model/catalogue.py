@@ -6,9 +6,8 @@ from pathlib import Path
 
 from frontal_biped.exceptions import RobotError
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.urdf.description import RobotDescription, read_description
-from frontal_biped.model.urdf.read import read_urdf
-from frontal_biped.model.urdf.reduction import reduce_to_frontal_plane
+from frontal_biped.model.robot import Robot
+from frontal_biped.model.urdf.description import read_description
 
 DEFAULT_ROBOT = "frontal_biped"
 
@@ -29,7 +28,7 @@ def robot_names() -> list[str]:
 
 
 def load_robot(name_or_path: str | Path = DEFAULT_ROBOT) -> FrontalBiped:
-    """Load a robot and check it against HR1 to HR5.
+    """Load a robot, seen in its frontal plane, and check it against HR1 to HR5.
 
     Args:
         name_or_path: a name from `robot_names`, a description (``.toml``), or a URDF with a description of the
@@ -41,18 +40,19 @@ def load_robot(name_or_path: str | Path = DEFAULT_ROBOT) -> FrontalBiped:
     Raises:
         RobotError: nothing is found there, or the files cannot be used; `HypothesisError` names the hypothesis.
     """
-    return build_robot(read_description(description_path(name_or_path)))
+    return FrontalBiped(load_whole_robot(name_or_path))
 
 
-def build_robot(description: RobotDescription) -> FrontalBiped:
-    """The robot of a description, read from a file or changed since.
+def load_whole_robot(name_or_path: str | Path = DEFAULT_ROBOT) -> Robot:
+    """Load a robot with every joint, in space; the frontal plane asks nothing of it yet.
+
+    Args:
+        name_or_path: as for `load_robot`.
 
     Raises:
-        RobotError: its URDF cannot be used; `HypothesisError` names the hypothesis.
+        RobotError: nothing is found there, or the files cannot be used.
     """
-    urdf_text = read_urdf(description.urdf)
-    reduction = reduce_to_frontal_plane(description, urdf_text)
-    return FrontalBiped(description, description.fingerprint(urdf_text), reduction)
+    return Robot.of(read_description(description_path(name_or_path)))
 
 
 def description_path(name_or_path: str | Path) -> Path:

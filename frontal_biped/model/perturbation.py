@@ -16,7 +16,6 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.urdf.description import ROLL_JOINTS
 from frontal_biped.model.urdf.projection import PELVIS, FrontalBodies
-from frontal_biped.model.urdf.reduction import FrontalReduction
 from frontal_biped.model.urdf.symmetry import symmetrised
 
 LINKS = ("left_foot", "left_leg", "pelvis", "right_leg", "right_foot")
@@ -118,16 +117,9 @@ class PerturbedBiped(FrontalBiped):
 
     def __init__(self, nominal: FrontalBiped, errors: ModelErrors, stance: Stance) -> None:
         bodies = _perturbed_bodies(symmetrised(nominal.measured), errors)
-        reduction = FrontalReduction(
-            chain=bodies.chain(nominal.description.sole, stance),
-            stance_map=nominal.stance_map,
-            model=nominal.spatial_model,
-            reference=nominal.spatial_reference,
-            measured=bodies,
-            asymmetry=nominal.asymmetry,
-        )
+        reduction = nominal.reduction._replace(chain=bodies.chain(nominal.description.sole, stance), measured=bodies)
         content = f"{nominal.fingerprint} {errors.as_dict()} {stance.value}"
-        super().__init__(nominal.description, hashlib.sha256(content.encode()).hexdigest(), reduction)
+        super().__init__(nominal.robot, reduction, hashlib.sha256(content.encode()).hexdigest())
         self.nominal, self.errors, self.stance = nominal, errors, stance
 
     def __reduce__(self) -> tuple[object, ...]:

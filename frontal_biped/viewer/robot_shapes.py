@@ -25,8 +25,7 @@ def visual_model(biped: FrontalBiped) -> pin.GeometryModel:
     Raises:
         RobotError: a mesh is not found.
     """
-    urdf = biped.description.urdf
-    text = urdf.read_text(encoding="utf-8")
+    urdf, text = biped.description.urdf, biped.robot.urdf_text
     shapes = build_shapes(biped.spatial_model, urdf, text, pin.GeometryType.VISUAL)
     if not shapes.ngeoms:
         shapes = build_shapes(biped.spatial_model, urdf, text, pin.GeometryType.COLLISION)

@@ -11,8 +11,7 @@ from frontal_biped.control import ControllerSettings
 from frontal_biped.design import design_gait
 from frontal_biped.gait import default_specification
 from frontal_biped.gait.file import load_gait
-from frontal_biped.model import FrontalBiped, load_robot, models_dir
-from frontal_biped.model.urdf.read import read_urdf
+from frontal_biped.model import FrontalBiped, Robot, load_robot, load_whole_robot, models_dir
 from frontal_biped.model.urdf.reduction import reduce_to_frontal_plane
 from frontal_biped.simulation.walking import simulate
 from frontal_biped.zero_dynamics.restricted import TORQUES
@@ -110,11 +109,12 @@ def test_a_new_design_costs_the_same(humanoid, gait):
 
 def unlimited(name: str) -> FrontalBiped:
     """A robot without reflected rotor inertia, its joints free to turn as far and as fast as they like."""
-    description = dataclasses.replace(load_robot(name).description, ankle_armature=0.0, hip_armature=0.0)
-    reduction = reduce_to_frontal_plane(description, read_urdf(description.urdf))
+    loaded = load_whole_robot(name)
+    robot = Robot(dataclasses.replace(loaded.description, ankle_armature=0.0, hip_armature=0.0), loaded.urdf_text)
+    reduction = reduce_to_frontal_plane(robot)
     free = np.full(4, np.inf)
     chain = dataclasses.replace(reduction.chain, lower=-free, upper=free, max_velocity=free)
-    return FrontalBiped(description, "unlimited", reduction._replace(chain=chain))
+    return FrontalBiped(robot, reduction._replace(chain=chain), fingerprint="unlimited")
 
 
 @pytest.mark.slow

@@ -69,7 +69,7 @@ class RobotDescription:
     gait: Mapping[str, Any] = field(default_factory=dict)
 
     def fingerprint(self, urdf_text: str) -> str:
-        """SHA-256 of the URDF text and of everything in the description that shapes the model."""
+        """SHA-256 of the URDF text and of everything in the description that shapes the planar model."""
         shape: dict[str, Any] = {
             "joints": dict(self.joints),
             "posture": dict(self.posture),
@@ -85,6 +85,12 @@ class RobotDescription:
             shape["armature"] = [self.ankle_armature, self.hip_armature]
         content = json.dumps(shape, sort_keys=True)
         return hashlib.sha256((content + urdf_text).encode()).hexdigest()
+
+    def actuator(self, roll_joint: str) -> tuple[float | None, float]:
+        """Torque limit [N m], None for the URDF's, and reflected rotor inertia [kg m^2] of one of `ROLL_JOINTS`."""
+        if roll_joint.endswith("ankle"):
+            return self.ankle_torque, self.ankle_armature
+        return self.hip_torque, self.hip_armature
 
 
 def read_description(path: Path) -> RobotDescription:
@@ -124,8 +130,8 @@ def read_description(path: Path) -> RobotDescription:
             outer=_positive(path, sole, "sole", "outer"),
             ankle_height=_not_negative(path, sole, "sole", "ankle_height"),
         ),
-        ankle_torque=_positive(path, limits, "limits", "ankle_torque") if "ankle_torque" in limits else None,
-        hip_torque=_positive(path, limits, "limits", "hip_torque") if "hip_torque" in limits else None,
+        ankle_torque=_positive_or_none(path, limits, "limits", "ankle_torque"),
+        hip_torque=_positive_or_none(path, limits, "limits", "hip_torque"),
         path=path,
         base_rpy=_rpy(path, base),
         symmetrise=symmetrise,
@@ -164,6 +170,10 @@ def _positive(path: Path, table: dict[str, Any], section: str, key: str) -> floa
         message = f"{where} = {value:g} must be positive; give its true value"
         raise HypothesisError("HR5", message) if section == "sole" else RobotError(message)
     return value
+
+
+def _positive_or_none(path: Path, table: dict[str, Any], section: str, key: str) -> float | None:
+    return _positive(path, table, section, key) if key in table else None
 
 
 def _not_negative(path: Path, table: dict[str, Any], section: str, key: str) -> float:

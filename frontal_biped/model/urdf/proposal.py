@@ -8,15 +8,16 @@ import numpy as np
 import pinocchio as pin
 
 from frontal_biped.exceptions import HypothesisError, RobotError
+from frontal_biped.model.robot import Robot
 from frontal_biped.model.urdf.description import RobotDescription, Sole, read_description
 from frontal_biped.model.urdf.description_text import description_text
 from frontal_biped.model.urdf.legs import Legs, find_legs
-from frontal_biped.model.urdf.locked_model import build_model, posture_configuration
 from frontal_biped.model.urdf.packages import EXAMPLE_ROBOT_DATA, example_robot_data_dir
 from frontal_biped.model.urdf.posture import Posture, find_posture
 from frontal_biped.model.urdf.read import read_urdf
 from frontal_biped.model.urdf.reduction import FrontalReduction, reduce_to_frontal_plane
 from frontal_biped.model.urdf.soles import MeasuredSole, measure_sole
+from frontal_biped.model.urdf.whole_model import build_model, posture_configuration
 
 ZERO_ANGLE = 5e-5
 """Angles [rad] this small are left out of a proposed posture where the joint can be at zero."""
@@ -106,8 +107,7 @@ def _complete(
     keep: RobotDescription | None = None,
 ) -> Proposal:
     """Posture, soles and what follows; ``keep`` is a description that has all but the posture."""
-    where = str(draft.path)
-    start = posture_configuration(full, draft, where)
+    start = posture_configuration(full, draft)
     sole, trouble = _measure(full, start, draft, legs, text)
     posture = find_posture(full, legs, draft.joints, start, None if sole is None else (sole.heel, sole.toe))
     draft = replace(draft, posture=_rounded(full, draft, posture), base_rpy=_rounded_rpy(posture))
@@ -124,7 +124,7 @@ def _complete(
         )
     comments: dict[str, str] = {}
     if keep is None:
-        q = posture_configuration(full, draft, where)
+        q = posture_configuration(full, draft)
         sole, trouble = _measure(full, q, draft, legs, text, posture.com_x)
         if sole is None:
             undecided.append(f"sole: {trouble}; measure inner, outer and ankle_height")
@@ -150,19 +150,19 @@ def _try(
     problems = []
     for part, key in (("ankle", "left_ankle"), ("hip", "left_hip")):
         joint = full.joints[full.getJointId(draft.joints[key])]
-        limit = {"ankle": draft.ankle_torque, "hip": draft.hip_torque}[part]
+        limit, _ = draft.actuator(key)
         if limit is None and not full.effortLimit[joint.idx_v] > 0.0:
             problems.append(f"limits: {draft.joints[key]} has no effort limit; give [limits] {part}_torque")
             trial = replace(trial, ankle_torque=1.0) if part == "ankle" else replace(trial, hip_torque=1.0)
     reduction: FrontalReduction | None = None
     try:
-        reduction = reduce_to_frontal_plane(trial, text)
+        reduction = reduce_to_frontal_plane(Robot(trial, text))
     except HypothesisError as error:
         if error.hypothesis != "HR3" or trial.symmetrise:
             problems.append(str(error))
     if reduction is None and not trial.symmetrise:
         try:
-            reduction = reduce_to_frontal_plane(replace(trial, symmetrise=True), text)
+            reduction = reduce_to_frontal_plane(Robot(replace(trial, symmetrise=True), text))
         except HypothesisError as error:
             if str(error) not in problems:
                 problems.append(str(error))

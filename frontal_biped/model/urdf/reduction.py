@@ -1,4 +1,4 @@
-"""Reduce a URDF to its frontal plane: lock every joint but four, check HR1 to HR5, project, symmetrise."""
+"""Reduce a robot to its frontal plane: lock every joint but four, check HR1 to HR5, project, symmetrise."""
 
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
@@ -10,11 +10,13 @@ import pinocchio as pin
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import HypothesisError
 from frontal_biped.model.chain import FrontalChain
+from frontal_biped.model.robot import Robot
 from frontal_biped.model.stance_map import StanceMap
 from frontal_biped.model.urdf.description import ROLL_JOINTS, RobotDescription
-from frontal_biped.model.urdf.locked_model import ROOT, build_model, lock_other_joints
+from frontal_biped.model.urdf.locked_model import lock_other_joints
 from frontal_biped.model.urdf.projection import PELVIS, FrontalBodies, RollJoint, planar_inertia
 from frontal_biped.model.urdf.symmetry import MOST_AVERAGED, Asymmetry, asymmetry, symmetrised
+from frontal_biped.model.urdf.whole_model import ROOT
 
 AXIS_TOLERANCE = 1e-3
 """Largest angle [rad] between a roll axis and world X; beyond it the motion leaves the plane measurably."""
@@ -24,7 +26,7 @@ FLAT_TOLERANCE = 1e-3
 
 
 class FrontalReduction(NamedTuple):
-    """What the reduction of a URDF yields.
+    """What the reduction of a robot yields.
 
     Attributes:
         chain: the planar biped, legs mirrored.
@@ -43,25 +45,23 @@ class FrontalReduction(NamedTuple):
     asymmetry: Asymmetry
 
 
-def reduce_to_frontal_plane(description: RobotDescription, urdf_text: str) -> FrontalReduction:
-    """Planar biped of a robot.
+def reduce_to_frontal_plane(robot: Robot) -> FrontalReduction:
+    """Planar biped of a robot: its four roll joints, the others locked at its posture.
 
     Args:
-        description: which joints roll, the posture, the soles, the limits.
-        urdf_text: the robot's URDF, already checked by `read_urdf`.
+        robot: the whole robot.
 
     Returns:
         The planar chain, the stance map and the reduced 3D model.
 
     Raises:
-        RobotError: a named joint does not exist, or the posture is out of a joint's reach.
         HypothesisError: the robot is no open chain of two mirrored legs with four actuated roll joints in the
-            frontal plane (HR1 to HR4).
+            frontal plane (HR1 to HR5).
     """
+    description = robot.description
     where = str(description.path)
-    full = build_model(description, urdf_text)
-    _check_actuators(urdf_text, description, where)  # HR4
-    model, reference = lock_other_joints(full, description, urdf_text, where)
+    _check_actuators(robot.urdf_text, description, where)  # HR4
+    model, reference = lock_other_joints(robot)
     data = model.createData()
     pin.forwardKinematics(model, data, reference)
     pin.computeJointJacobians(model, data, reference)
@@ -224,11 +224,10 @@ def _mirrored(measured: FrontalBodies, found: Asymmetry, description: RobotDescr
 
 
 def _roll_joint(model: pin.Model, key: str, axis_sign: float, description: RobotDescription, where: str) -> RollJoint:
-    """Limits of one joint about +X from its reference angle; those of the description come first."""
+    """Limits of one joint about +X from its reference angle."""
     part, name = key.split("_")[1], description.joints[key]
     joint = model.joints[model.getJointId(name)]
-    asked = {"ankle": description.ankle_torque, "hip": description.hip_torque}[part]
-    effort = float(model.effortLimit[joint.idx_v]) if asked is None else asked
+    effort = float(model.effortLimit[joint.idx_v])
     if not effort > 0.0:
         raise HypothesisError(
             "HR4",
@@ -251,5 +250,5 @@ def _roll_joint(model: pin.Model, key: str, axis_sign: float, description: Robot
             f" its limits are [{model.lowerPositionLimit[joint.idx_q]:g}, {model.upperPositionLimit[joint.idx_q]:g}];"
             " widen them in the URDF or move the posture",
         )
-    armature = {"ankle": description.ankle_armature, "hip": description.hip_armature}[part]
+    armature = float(model.armature[joint.idx_v])
     return RollJoint(float(ends.min()), float(ends.max()), velocity, effort, armature)

@@ -19,7 +19,7 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import GRAVITY
 from frontal_biped.model.perturbation import LINKS
 from frontal_biped.model.stance_map import Stance
-from frontal_biped.model.urdf.read import ROUNDING_INERTIA, read_urdf
+from frontal_biped.model.urdf.read import ROUNDING_INERTIA
 
 if TYPE_CHECKING:
     from mujoco import MjModel, MjSpec
@@ -75,7 +75,7 @@ def mujoco_model(biped: FrontalBiped, contact: ContactSettings | None = None) ->
     At the zero configuration the robot stands at its reference posture on the ground, feet on either side of y = 0.
 
     Args:
-        biped: the robot; its URDF file and description are read, not its reduced model.
+        biped: the robot; its URDF and description are read, not its reduced model.
         contact: contact and physics step.
 
     Raises:
@@ -88,7 +88,7 @@ def mujoco_spec(biped: FrontalBiped, contact: ContactSettings) -> "MjSpec":
     """The specification that `mujoco_model` compiles."""
     mujoco = import_mujoco()
     description = biped.description
-    spec = mujoco.MjSpec.from_string(_without_shapes(read_urdf(description.urdf)))
+    spec = mujoco.MjSpec.from_string(_without_shapes(biped.robot.urdf_text))
     spec.compiler.fusestatic = True
     spec.compiler.discardvisual = False
     for equality in list(spec.equalities):  # mimicked joints are locked below

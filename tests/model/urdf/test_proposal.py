@@ -6,12 +6,10 @@ import pytest
 
 from frontal_biped.cli import main
 from frontal_biped.exceptions import HypothesisError, RobotError
-from frontal_biped.model import load_robot, models_dir
+from frontal_biped.model import load_robot, load_whole_robot, models_dir
 from frontal_biped.model.urdf.description import ROLL_JOINTS, read_description
 from frontal_biped.model.urdf.legs import find_legs
-from frontal_biped.model.urdf.locked_model import build_model, posture_configuration
 from frontal_biped.model.urdf.proposal import propose_description, propose_posture
-from frontal_biped.model.urdf.read import read_urdf
 from frontal_biped.model.urdf.soles import measure_sole
 
 DESCRIBED = ("alexander", "g1", "human", "icub", "romeo", "talos_full")
@@ -97,10 +95,7 @@ def test_a_posture_is_found_where_the_axes_are_parallel_at_one_hip_pitch_only(na
     assert found.description.joints == packaged.joints
     assert found.leg_length == pytest.approx(load_robot(name).leg_length, abs=1e-3)
     # independently: axes, feet and centre of mass at that posture
-    description = found.description
-    urdf_text = read_urdf(description.urdf)
-    full = build_model(description, urdf_text)
-    q = posture_configuration(full, description, "test")
+    description, full, q = found.description, found.robot.model, found.robot.posture
     data = full.createData()
     pin.computeJointJacobians(full, data, q)
     for key in ROLL_JOINTS:
@@ -109,7 +104,7 @@ def test_a_posture_is_found_where_the_axes_are_parallel_at_one_hip_pitch_only(na
         assert np.linalg.norm(axis[1:]) < 2e-5  # icub prints its axes to five digits
     ankle = data.oMi[full.getJointId(description.joints["left_ankle"])].translation
     com_x = pin.centerOfMass(full, data, q)[0] - ankle[0]
-    sole = measure_sole(full, q, description.joints["left_ankle"], description.urdf, urdf_text, com_x)
+    sole = measure_sole(full, q, description.joints["left_ankle"], description.urdf, found.robot.urdf_text, com_x)
     assert sole.heel < com_x < sole.toe
     # all of the sole touches at once: it is flat
     assert sole.toe - sole.heel > 0.14
@@ -125,9 +120,7 @@ def test_a_torso_leans_where_balance_wants_it(tmp_path):
 
 def test_icub_looks_backwards_and_the_human_lies_down():
     for name, rpy in (("icub", (0.0, 0.0, np.pi)), ("human", (0.5 * np.pi, 0.0, 0.0)), ("romeo", (0.0, 0.0, 0.0))):
-        description = load_robot(name).description
-        full = build_model(description, read_urdf(description.urdf))
-        legs = find_legs(full, name)
+        legs = find_legs(load_whole_robot(name).model, name)
         assert legs.sides_named
         assert legs.upright == pytest.approx(pin.rpy.rpyToMatrix(*rpy), abs=1e-12)
 
@@ -142,16 +135,15 @@ def test_a_joint_of_the_wrong_leg_is_named(tmp_path):
 
 def test_sole_of_a_box_and_of_spheres(biped):
     """Table I's foot is a box of 0.1 m; g1 stands on four spheres, 0.25 m apart and wider in front."""
-    description = biped.description
-    text = read_urdf(description.urdf)
-    full = build_model(description, text)
-    sole = measure_sole(full, pin.neutral(full), "left_ankle", description.urdf, text)
+
+    def measured(robot, ankle, x=None):
+        return measure_sole(robot.model, pin.neutral(robot.model), ankle, robot.description.urdf, robot.urdf_text, x)
+
+    sole = measured(biped.robot, "left_ankle")
     assert (sole.right, sole.left, sole.ankle_height) == pytest.approx((0.05, 0.05, 0.0), abs=1e-12)
-    description = load_robot("g1").description
-    text = read_urdf(description.urdf)
-    full = build_model(description, text)
+    g1 = load_whole_robot("g1")
     for x, half in ((-0.0499, 0.025), (0.1199, 0.030)):
-        sole = measure_sole(full, pin.neutral(full), "left_ankle_roll_joint", description.urdf, text, x)
+        sole = measured(g1, "left_ankle_roll_joint", x)
         assert (sole.heel, sole.toe, sole.ankle_height) == pytest.approx((-0.05, 0.12, 0.035), abs=1e-9)
         assert (sole.right, sole.left) == pytest.approx((half, half), abs=1e-4)
 

@@ -1,0 +1,102 @@
+"""The 3D model of a URDF with every joint, told what the description adds: limits, rotor inertia, the posture."""
+
+import difflib
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pinocchio as pin
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.exceptions import RobotError
+from frontal_biped.model.urdf.description import RobotDescription
+
+ROOT = "root_joint"
+
+
+def build_model(description: RobotDescription, urdf_text: str) -> pin.Model:
+    """3D model of a URDF with a free-flyer root and the URDF's limits.
+
+    Raises:
+        RobotError: Pinocchio cannot read the URDF.
+    """
+    try:
+        full = pin.buildModelFromXML(urdf_text, pin.JointModelFreeFlyer())
+    except (ValueError, RuntimeError) as error:
+        reason = " ".join(str(error).split())
+        raise RobotError(f"{description.urdf}: Pinocchio cannot read it, {reason}; check it with check_urdf") from None
+    full.name = description.name
+    return full
+
+
+def build_described_model(description: RobotDescription, urdf_text: str) -> pin.Model:
+    """The model of `build_model` with the torque limits and rotor inertias that the description gives its roll joints.
+
+    Raises:
+        RobotError: Pinocchio cannot read the URDF, or a joint that the description names does not exist.
+    """
+    full = build_model(description, urdf_text)
+    _check_names(full, description, urdf_text)
+    for key, name in description.joints.items():
+        torque, armature = description.actuator(key)
+        joint = full.joints[full.getJointId(name)]
+        rows = slice(joint.idx_v, joint.idx_v + joint.nv)
+        if torque is not None:
+            full.lowerEffortLimit[rows], full.upperEffortLimit[rows] = -torque, torque
+        full.armature[rows] = armature
+    return full
+
+
+def posture_configuration(full: pin.Model, description: RobotDescription) -> FloatArray:
+    """Configuration (nq,) of the whole robot at the posture of the description, root turned by ``[base] rpy``.
+
+    Raises:
+        RobotError: an angle is outside its joint's limits, given or not.
+    """
+    where = str(description.path)
+    posture = pin.neutral(full)
+    posture[3:7] = pin.Quaternion(pin.rpy.rpyToMatrix(*description.base_rpy)).coeffs()
+    outside = []
+    for name in full.names[2:]:
+        joint = full.joints[full.getJointId(name)]
+        angle = description.posture.get(name, 0.0)
+        if joint.nq == 2 and joint.nv == 1:  # continuous: cosine and sine
+            posture[joint.idx_q : joint.idx_q + 2] = np.cos(angle), np.sin(angle)
+            continue
+        if joint.nq != 1:
+            if name in description.posture:
+                raise RobotError(
+                    f"{where}: [posture] {name!r} is not a one-number joint; leave it out, it is locked at 0"
+                )
+            continue
+        low, high = full.lowerPositionLimit[joint.idx_q], full.upperPositionLimit[joint.idx_q]
+        if not low <= angle <= high:
+            if name in description.posture:
+                raise RobotError(
+                    f"{where}: [posture] {name} = {angle:g} rad is outside its limits [{low:g}, {high:g}];"
+                    " give an angle the joint can reach"
+                )
+            outside.append(f"{name} = {np.clip(angle, low, high):.9g}")
+        posture[joint.idx_q] = angle
+    if outside:
+        raise RobotError(f"{where}: [posture] cannot leave out joints that cannot be at 0; add {', '.join(outside)}")
+    return posture
+
+
+def _check_names(full: pin.Model, description: RobotDescription, urdf_text: str) -> None:
+    names = [name for name in full.names[1:] if name != ROOT]
+    fixed = {
+        joint.get("name")
+        for joint in ElementTree.fromstring(urdf_text).findall("joint")
+        if joint.get("type") == "fixed"
+    }
+    for section, asked in (("joints", list(description.joints.values())), ("posture", list(description.posture))):
+        for name in asked:
+            if full.existJointName(name) and name != ROOT:
+                continue
+            where = f"{description.path}: [{section}]"
+            if name in fixed:
+                remedy = "name a movable joint" if section == "posture" else 'make it type="revolute" with limits'
+                raise RobotError(f"{where} joint {name!r} is fixed; {remedy}")
+            close = difflib.get_close_matches(name, names, n=1)
+            remedy = f"did you mean {close[0]!r}?" if close else f"movable joints: {', '.join(names)}"
+            raise RobotError(f"{where} the URDF has no movable joint {name!r}; {remedy}")
