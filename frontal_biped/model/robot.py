@@ -9,8 +9,11 @@ import numpy as np
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.exceptions import RobotError
+from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.urdf.description import RobotDescription
 from frontal_biped.model.urdf.read import read_urdf
+from frontal_biped.model.urdf.soles import measure_sole
 from frontal_biped.model.urdf.whole_model import ROOT, build_described_model, posture_configuration
 
 
@@ -32,6 +35,64 @@ class JointLimits(NamedTuple):
     upper: FloatArray
     velocity: FloatArray
     effort: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class FootSole:
+    """The rectangle a foot stands on.
+
+    Its frame hangs on the foot: the origin lies on the sole, straight below the ankle (the origin of the ankle roll
+    joint's frame, a point of its axis), when the robot stands upright at its posture with flat feet; X points forward,
+    Y to the robot's left, Z up then. The sole is the part of z = 0 with -back <= x <= front and y between the inner
+    and the outer edge.
+
+    Attributes:
+        side: which foot.
+        joint: the ankle roll joint that moves it.
+        placement: of the frame in the frame of that joint.
+        front: extent from the ankle forwards [m].
+        back: extent from the ankle backwards, positive [m].
+        inner: extent from the ankle towards the other foot [m].
+        outer: extent from the ankle away from the other foot [m].
+        ankle_height: of the ankle above the sole [m].
+    """
+
+    side: Stance
+    joint: str
+    placement: pin.SE3
+    front: float
+    back: float
+    inner: float
+    outer: float
+    ankle_height: float
+
+    @property
+    def length(self) -> float:
+        """From heel to toe [m]."""
+        return self.front + self.back
+
+    @property
+    def width(self) -> float:
+        """From the inner to the outer edge [m]."""
+        return self.inner + self.outer
+
+    @property
+    def corners(self) -> FloatArray:
+        """(4, 3) outer and inner corner in front, outer and inner corner behind, in the sole's frame [m]."""
+        outer, inner = self.side.sign * self.outer, -self.side.sign * self.inner
+        return np.array([[x, y, 0.0] for x in (self.front, -self.back) for y in (outer, inner)])
+
+
+class Soles(NamedTuple):
+    """The soles of both feet.
+
+    Attributes:
+        left: of the left foot.
+        right: of the right foot.
+    """
+
+    left: FootSole
+    right: FootSole
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +176,47 @@ class Robot:
     def armature(self) -> FloatArray:
         """(n,) reflected rotor inertia, rows as in `JointLimits` [kg m^2]; 0 where the description tells none."""
         return _read_only(np.array(self.model.armature[self._root_velocities :]))
+
+    @cached_property
+    def soles(self) -> Soles:
+        """Both soles; measured on the shapes of the feet where the description does not give ``[sole] front, back``.
+
+        Raises:
+            RobotError: there is nothing to measure, or a mesh cannot be read.
+        """
+        return Soles(*(self._sole(stance) for stance in (Stance.LEFT, Stance.RIGHT)))
+
+    def _sole(self, side: Stance) -> FootSole:
+        joint = self.description.joints[f"{side.value}_ankle"]
+        sole = self.description.sole
+        front, back = sole.front, sole.back
+        if front is None or back is None:
+            toe, heel = self._measured_ends(joint)
+            front = toe if front is None else front
+            back = -heel if back is None else back
+        data = self.model.createData()
+        pin.forwardKinematics(self.model, data, self.posture)
+        to_joint = data.oMi[self.model.getJointId(joint)].rotation.T
+        placement = pin.SE3(to_joint, to_joint @ np.array([0.0, 0.0, -sole.ankle_height]))
+        return FootSole(side, joint, placement, front, back, sole.inner, sole.outer, sole.ankle_height)
+
+    def _measured_ends(self, ankle: str) -> tuple[float, float]:
+        """X of a foot's toe and heel, from the ankle [m]."""
+        description = self.description
+        where = f"{description.path}: the length of the sole below {ankle!r} cannot be measured"
+        remedy = "give [sole] front, back (m, from the ankle)"
+        try:
+            measured = measure_sole(self.model, self.posture, ankle, description.urdf, self.urdf_text)
+        except RobotError as error:
+            raise RobotError(f"{where}, {error}; {remedy}") from None
+        if measured is None:
+            raise RobotError(f"{where}, the foot has neither collision nor visual shapes; {remedy}")
+        if not measured.spans_ankle:
+            raise RobotError(
+                f"{where}, its shapes reach from {measured.heel:+.3f} to {measured.toe:+.3f} m,"
+                f" not to both sides of the ankle; {remedy}"
+            )
+        return measured.toe, measured.heel
 
     @property
     def _root_velocities(self) -> int:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import pickle
+import re
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
@@ -9,7 +10,7 @@ import pinocchio as pin
 import pytest
 from robot_laws import EXACT, close
 
-from frontal_biped.exceptions import HypothesisError
+from frontal_biped.exceptions import HypothesisError, RobotError
 from frontal_biped.model import FrontalBiped, Robot, Stance, load_robot, load_whole_robot, models_dir, robot_names
 from frontal_biped.model.chain import UPRIGHT
 from frontal_biped.model.urdf.description import ROLL_JOINTS
@@ -26,6 +27,21 @@ FINGERPRINTS = {
     "talos_full": "3b1a71e85ad46487",
 }
 """How those of version 0.1.0 begin: gait files of that version keep them."""
+
+SOLE_ENDS = {
+    "talos_full": (-0.110, 0.099),
+    "g1": (-0.05, 0.12),
+    "romeo": (-0.074, 0.121),
+    "alexander": (-0.051, 0.149),
+    "human": (-0.064, 0.207),
+}
+"""X of heel and toe from the ankle [m], measured once with other code on the lowest vertices of the feet."""
+
+ICUB_FOOT = 0.156
+"""Length of iCub's foot [m], measured likewise."""
+
+ROUNDED_TO_MILLIMETRES = 1e-3
+"""[m]; those numbers were noted in whole millimetres, and of vertices within 3 mm of the lowest."""
 
 
 @pytest.fixture(scope="module", params=sorted(FINGERPRINTS))
@@ -168,13 +184,103 @@ class TestThePlanarView:
         close(pin.nonLinearEffects(locked, locked.createData(), q_locked, v_locked), bias, EXACT, f"{robot.name}, bias")
 
 
+class TestSoles:
+    @pytest.mark.parametrize("name", SOLE_ENDS)
+    def test_length_is_that_of_the_foots_shapes(self, name):
+        for sole in load_whole_robot(name).soles:
+            assert (-sole.back, sole.front) == pytest.approx(SOLE_ENDS[name], abs=ROUNDED_TO_MILLIMETRES)
+
+    def test_meshes_that_lie_on_their_side_are_turned(self):
+        """iCub's COLLADA files have Y up; read as they are, the foot would point to the side."""
+        for sole in load_whole_robot("icub").soles:
+            assert sole.length == pytest.approx(ICUB_FOOT, abs=ROUNDED_TO_MILLIMETRES)
+            assert sole.front > sole.back
+
+    def test_feet_without_shapes_are_described(self):
+        """0.25 by 0.1 m in the SRDF, the ankle above the middle."""
+        for sole in load_whole_robot("simple_humanoid_classical").soles:
+            assert (sole.front, sole.back, sole.length, sole.width) == (0.125, 0.125, 0.25, 0.1)
+
+    def test_width_and_height_are_those_of_the_plane(self, biped):
+        for sole in biped.robot.soles:
+            assert (-sole.outer, sole.inner) == biped.sole
+            assert sole.ankle_height == pytest.approx(biped.ankle_height, abs=1e-15)
+
+    def test_frames_and_edges_at_the_posture(self, biped):
+        """Their frames look forward, left and up, below the ankles; the inner edges face each other."""
+        robot = biped.robot
+        data = robot.model.createData()
+        pin.forwardKinematics(robot.model, data, robot.posture)
+        corners = []
+        for sole, side in zip(robot.soles, Stance, strict=True):
+            assert (sole.side, sole.joint) == (side, robot.description.joints[f"{side.value}_ankle"])
+            ankle = data.oMi[robot.model.getJointId(sole.joint)]
+            frame = ankle * sole.placement
+            assert frame.rotation == pytest.approx(np.eye(3), abs=1e-12)
+            below = ankle.translation - [0.0, 0.0, sole.ankle_height]
+            assert frame.translation == pytest.approx(below, abs=1e-12)
+            corners.append(np.array([frame.act(corner) for corner in sole.corners]))
+        left, right = corners
+        assert left[:, 1].min() == pytest.approx(left[1, 1], abs=1e-12)
+        assert right[:, 1].max() == pytest.approx(right[1, 1], abs=1e-12)
+        assert left[:, 1].min() > right[:, 1].max()
+        assert np.all(left[:2, 0] > left[2:, 0])
+
+    def test_a_measured_foot_is_flat_and_its_sole_where_the_description_has_it(self, biped):
+        """The lowest points of the feet lie in the sole's plane."""
+        from frontal_biped.model.urdf.soles import measure_sole
+
+        robot = biped.robot
+        for sole in robot.soles:
+            measured = measure_sole(robot.model, robot.posture, sole.joint, robot.description.urdf, robot.urdf_text)
+            if measured is not None:
+                assert measured.ankle_height == pytest.approx(sole.ankle_height, abs=ROUNDED_TO_MILLIMETRES)
+
+    @pytest.mark.parametrize(("given", "ends"), [
+        ("front = 0.2\nback = 0.05", (0.05, 0.2)),
+        ("front = 0.2", (0.1, 0.2)),  # the box of the URDF reaches from -0.1 to 0.14 m
+        ("back = 0.05", (0.05, 0.14)),
+        ("", (0.1, 0.14)),
+    ])  # fmt: skip
+    def test_the_description_comes_first(self, model_files, given, ends):
+        _, path = model_files
+        text = path.read_text(encoding="utf-8")
+        path.write_text(text.replace("[sole]", f"[sole]\n{given}"), encoding="utf-8")
+        robot = load_whole_robot(path)
+        for sole in robot.soles:
+            assert (sole.back, sole.front) == pytest.approx(ends, abs=1e-12)
+        assert robot.fingerprint == load_whole_robot("frontal_biped").fingerprint  # the plane does not see it
+
+    @pytest.mark.parametrize(("shapes", "words"), [
+        ("", "neither collision nor visual shapes"),
+        ('<collision><geometry><mesh filename="package://gone/foot.stl"/></geometry></collision>', "gone/foot.stl"),
+        (
+            '<collision><origin xyz="0.3 0 0"/><geometry><box size="0.2 0.1 0.02"/></geometry></collision>',
+            "from +0.200 to +0.400 m, not to both sides of the ankle",
+        ),
+    ])  # fmt: skip
+    def test_what_cannot_be_measured_is_asked_for(self, model_files, shapes, words):
+        urdf, path = model_files
+        text = urdf.read_text(encoding="utf-8")
+        text = re.sub(r"<(visual|collision)[ >].*?</\1>", "", text, flags=re.DOTALL)
+        urdf.write_text(text.replace('<link name="left_foot">', f'<link name="left_foot">{shapes}'), encoding="utf-8")
+        robot = load_whole_robot(path)  # whoever does not ask for the length is not bothered
+        FrontalBiped(robot)
+        with pytest.raises(RobotError) as caught:
+            robot.soles  # noqa: B018
+        message = str(caught.value)
+        assert "\n" not in message
+        for word in ("frontal_biped.toml", "'left_ankle'", words, "give [sole] front, back"):
+            assert word in message
+
+
 class TestPickles:
     """By content: what became of the files does not matter."""
 
     def test_a_changed_description_survives_a_change_of_its_files_and_their_loss(self, model_files):
         urdf, path = model_files
         loaded = load_whole_robot(path)
-        sole = dataclasses.replace(loaded.description.sole, inner=0.03)
+        sole = dataclasses.replace(loaded.description.sole, inner=0.03, front=0.2, back=0.1)
         robot = Robot(dataclasses.replace(loaded.description, sole=sole, hip_torque=77.0), loaded.urdf_text)
         biped = FrontalBiped(robot)
         assert robot.fingerprint != loaded.fingerprint
@@ -187,6 +293,7 @@ class TestPickles:
             assert view.sole == (-0.05, 0.03)
             assert view.max_torque.tolist() == biped.max_torque.tolist() == [150.0, 77.0, 77.0, 150.0]
             assert view.robot is twin  # packed together, one robot
+            assert twin.soles.left.front == 0.2
             assert twin.model == robot.model
             assert np.array_equal(twin.posture, robot.posture)
             q = UPRIGHT + np.array([0.1, -0.2, 0.3, 0.05])

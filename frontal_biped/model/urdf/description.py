@@ -1,9 +1,9 @@
-"""Robot description: the TOML file beside a URDF that says which joints roll and how wide the soles are."""
+"""Robot description: the TOML file beside a URDF that says which joints roll and how large the soles are."""
 
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -27,11 +27,15 @@ class Sole:
         inner: extent from the ankle towards the other foot [m].
         outer: extent from the ankle away from the other foot [m].
         ankle_height: height of the ankle joint above the sole [m].
+        front: extent from the ankle forwards [m]; None: measured on the foot's shapes.
+        back: extent from the ankle backwards, positive [m]; None: measured likewise.
     """
 
     inner: float
     outer: float
     ankle_height: float = 0.0
+    front: float | None = None
+    back: float | None = None
 
 
 @dataclass(frozen=True)
@@ -69,11 +73,14 @@ class RobotDescription:
     gait: Mapping[str, Any] = field(default_factory=dict)
 
     def fingerprint(self, urdf_text: str) -> str:
-        """SHA-256 of the URDF text and of everything in the description that shapes the planar model."""
+        """SHA-256 of the URDF text and of everything in the description that shapes the planar model.
+
+        The length of the soles does not.
+        """
         shape: dict[str, Any] = {
             "joints": dict(self.joints),
             "posture": dict(self.posture),
-            "sole": asdict(self.sole),
+            "sole": {key: getattr(self.sole, key) for key in ("inner", "outer", "ankle_height")},
             "limits": [self.ankle_torque, self.hip_torque],
         }
         # keys that came later enter only where they are used: fingerprints of gaits already designed stay valid
@@ -108,7 +115,7 @@ def read_description(path: Path) -> RobotDescription:
     table = load_toml(path, RobotError)
     reject_unknown_keys(str(path), table, KEYS, RobotError)
     joints = _section(path, table, "joints", ROLL_JOINTS)
-    sole = _section(path, table, "sole", ("inner", "outer", "ankle_height"))
+    sole = _section(path, table, "sole", ("inner", "outer", "ankle_height", "front", "back"))
     limits = _section(path, table, "limits", ("ankle_torque", "hip_torque"))
     posture = _section(path, table, "posture", None)
     base = _section(path, table, "base", ("rpy",))
@@ -129,6 +136,8 @@ def read_description(path: Path) -> RobotDescription:
             inner=_positive(path, sole, "sole", "inner"),
             outer=_positive(path, sole, "sole", "outer"),
             ankle_height=_not_negative(path, sole, "sole", "ankle_height"),
+            front=_positive_or_none(path, sole, "sole", "front"),
+            back=_positive_or_none(path, sole, "sole", "back"),
         ),
         ankle_torque=_positive_or_none(path, limits, "limits", "ankle_torque"),
         hip_torque=_positive_or_none(path, limits, "limits", "hip_torque"),

@@ -2,9 +2,10 @@
 
 import json
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from typing import Any
 
-from frontal_biped.model.urdf.description import ROLL_JOINTS, RobotDescription
+from frontal_biped.model.urdf.description import ROLL_JOINTS, RobotDescription, Sole
 
 
 def description_text(
@@ -32,12 +33,7 @@ def description_text(
         lines += ["", head("base"), f"rpy = {_value(list(description.base_rpy))}"]
     if description.posture:
         lines += ["", head("posture"), *(f"{_key(k)} = {_value(v)}" for k, v in description.posture.items())]
-    sole = description.sole
-    measured = sole.inner > 0.0 and sole.outer > 0.0
-    mark = "" if measured else "# "
-    lines += ["", head("sole")]
-    for key, value in (("inner", sole.inner), ("outer", sole.outer), ("ankle_height", sole.ankle_height)):
-        lines.append(f"{mark}{key} = {_value(value)}" if measured else f"# {key} = ?")
+    lines += ["", head("sole"), *_sole_lines(description.sole)]
     limits = {"ankle_torque": description.ankle_torque, "hip_torque": description.hip_torque}
     if any(value is not None for value in limits.values()):
         lines += ["", head("limits"), *(f"{key} = {_value(v)}" for key, v in limits.items() if v is not None)]
@@ -47,6 +43,13 @@ def description_text(
     if description.gait:
         lines += ["", head("gait"), *(f"{key} = {_value(value)}" for key, value in description.gait.items())]
     return "\n".join(lines) + "\n"
+
+
+def _sole_lines(sole: Sole) -> list[str]:
+    extents = asdict(sole)
+    if not (sole.inner > 0.0 and sole.outer > 0.0):
+        return [f"# {key} = ?" for key in extents]
+    return [f"{key} = {_value(value)}" for key, value in extents.items() if value is not None]
 
 
 def _value(value: Any) -> str:

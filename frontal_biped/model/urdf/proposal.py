@@ -127,19 +127,29 @@ def _complete(
         q = posture_configuration(full, draft)
         sole, trouble = _measure(full, q, draft, legs, text, posture.com_x)
         if sole is None:
-            undecided.append(f"sole: {trouble}; measure inner, outer and ankle_height")
+            undecided.append(f"sole: {trouble}; measure inner, outer, ankle_height, front and back")
             draft = replace(draft, sole=Sole(0.0, 0.0))
         else:
-            # the left foot's inner side is its right
-            draft = replace(
-                draft, sole=Sole(_millimetre(sole.right), _millimetre(sole.left), round(sole.ankle_height, 4))
-            )
+            draft = replace(draft, sole=_described(sole))
             comments["sole"] = f"of one foot, m; measured on its {sole.source} shapes, under the centre of mass"
     draft, problems = _try(draft, full, text, comments, sole_known=keep is not None or sole is not None)
     undecided += problems
     head = [*notes, *(f"NOT DECIDED: {line}" for line in undecided)]
     folder = draft.urdf.parent if keep is None else keep.path.parent
     return Proposal(description_text(draft, _urdf_key(draft.urdf, folder), head, comments), tuple(undecided), folder)
+
+
+def _described(sole: MeasuredSole) -> Sole:
+    """What the description says of the left foot's sole, rather smaller than larger."""
+    length = {}
+    if sole.spans_ankle:  # otherwise it is left for the user to find out
+        length = {"front": _tenth_of_millimetre(sole.toe), "back": _tenth_of_millimetre(-sole.heel)}
+    return Sole(
+        inner=_tenth_of_millimetre(sole.right),  # the left foot's inner side is its right
+        outer=_tenth_of_millimetre(sole.left),
+        ankle_height=round(sole.ankle_height, 4),
+        **length,
+    )
 
 
 def _try(
@@ -241,8 +251,8 @@ def _posture_note(posture: Posture) -> str:
     )
 
 
-def _millimetre(length: float) -> float:
-    return float(np.floor(1e4 * length + 1e-2)) / 1e4  # rather narrower than wider
+def _tenth_of_millimetre(length: float) -> float:
+    return float(np.floor(1e4 * length + 1e-2)) / 1e4
 
 
 def _urdf_key(urdf: Path, folder: Path) -> str:

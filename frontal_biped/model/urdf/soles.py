@@ -34,6 +34,11 @@ class MeasuredSole(NamedTuple):
     ankle_height: float
     source: str
 
+    @property
+    def spans_ankle(self) -> bool:
+        """Does it reach forwards and backwards of the ankle, as a sole a robot can stand on does?"""
+        return self.heel < 0.0 < self.toe
+
 
 def measure_sole(
     full: pin.Model, q: FloatArray, ankle: str, urdf: Path, urdf_text: str, x: float | None = None

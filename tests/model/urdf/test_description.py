@@ -47,6 +47,9 @@ BROKEN = {
     "sole beyond any float": ("outer = 0.05", "outer = 1" + "0" * 400, ("[sole] outer", "finite number")),
     "sole negative": ("inner = 0.05", "inner = -0.05", ("[sole] inner = -0.05", "positive")),
     "sole zero": ("outer = 0.05", "outer = 0.0", ("[sole] outer = 0", "positive")),
+    "sole of no front": ("inner = 0.05", "inner = 0.05\nfront = 0.0", ("[sole] front = 0", "positive")),
+    "sole's back negative": ("inner = 0.05", "inner = 0.05\nback = -0.1", ("[sole] back = -0.1", "positive")),
+    "sole's front a word": ("inner = 0.05", 'inner = 0.05\nfront = "long"', ("[sole] front", "long", "finite number")),
     "sole a word": ("inner = 0.05", 'inner = "wide"', ("[sole] inner", "wide", "finite number")),
     "sole a truth value": ("inner = 0.05", "inner = true", ("[sole] inner", "True", "finite number")),
     "ankle below the sole": (

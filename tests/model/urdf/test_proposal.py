@@ -38,6 +38,13 @@ def test_joints_and_sides_are_found_without_a_name(name, tmp_path):
     # the width under another posture's centre of mass differs by millimetres
     assert robot.sole == pytest.approx(by_hand.sole, abs=3e-3)
     assert robot.ankle_height == pytest.approx(by_hand.ankle_height, abs=2e-4)
+    # the length is that of one flat foot in either posture; the proposal rounds it down to a tenth of a millimetre
+    sole = robot.description.sole
+    for proposed_end, measured in (
+        (sole.front, by_hand.robot.soles.left.front),
+        (sole.back, by_hand.robot.soles.left.back),
+    ):
+        assert measured - 2e-4 <= proposed_end <= measured + 1e-5
 
 
 def test_what_cannot_be_decided_is_said(tmp_path, capsys):
@@ -51,10 +58,12 @@ def test_what_cannot_be_decided_is_said(tmp_path, capsys):
     assert "# NOT DECIDED: sole" in text
     with pytest.raises(HypothesisError, match=r"\[sole\] inner is missing"):
         load_robot(out)
-    for key, value in {"inner": 0.05, "outer": 0.05, "ankle_height": 0.105}.items():
+    for key, value in {"inner": 0.05, "outer": 0.05, "ankle_height": 0.105, "front": 0.125, "back": 0.125}.items():
         text = text.replace(f"# {key} = ?", f"{key} = {value}")
     out.write_text(text, encoding="utf-8")
-    assert load_robot(out).mass == pytest.approx(130.8, rel=1e-9)
+    robot = load_robot(out)
+    assert robot.mass == pytest.approx(130.8, rel=1e-9)
+    assert robot.robot.soles.left.length == 0.25
 
 
 def test_a_planar_urdf_beside_it(model_files, capsys, biped):
