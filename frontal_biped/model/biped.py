@@ -55,9 +55,9 @@ class FrontalBiped:
         self._data = self.pinned.createData()
         self._floating_data = self.floating.createData()
         self._sole_frames = [self.pinned.getFrameId(f"swing_sole_{end}") for end in ("inner", "outer")]
-        self._q = np.zeros(BASE + 4)
-        self._dq = np.zeros(BASE + 4)
-        self._ddq = np.zeros(BASE + 4)
+        self._q = np.zeros(self.floating.nv)
+        self._dq = np.zeros(self.floating.nv)
+        self._ddq = np.zeros(self.floating.nv)
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by what it is made of: a worker process builds its own Pinocchio data."""

@@ -23,11 +23,10 @@ def lock_other_joints(robot: Robot) -> tuple[pin.Model, FloatArray]:
                 f"{robot.description.path}: joint {name!r} is not an ideal revolute joint;"
                 ' make it type="revolute" with limits',
             )
-    kept = {ROOT, *roll_joints}
+    kept = (ROOT, *roll_joints)
     model = pin.buildReducedModel(full, [full.getJointId(n) for n in full.names[1:] if n not in kept], posture)
     reference = pin.neutral(model)
-    reference[:7] = posture[:7]
-    for name in roll_joints:
+    for name in kept:
         source, target = full.joints[full.getJointId(name)], model.joints[model.getJointId(name)]
-        reference[target.idx_q] = posture[source.idx_q]
+        reference[target.idx_q : target.idx_q + target.nq] = posture[source.idx_q : source.idx_q + source.nq]
     return model, reference
