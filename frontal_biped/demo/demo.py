@@ -10,24 +10,29 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from frontal_biped.analysis.closed_form import (analyze)
-from frontal_biped.demo.report import (DemoReport, SampledRun)
-from frontal_biped.control.settings import (ControllerSettings)
-from frontal_biped.gait.specification import (default_specification)
-from frontal_biped.design.optimise import (design_gait)
-from frontal_biped.gait.shipped import (load_specification)
-from frontal_biped.exceptions import (DesignFailedError)
-from frontal_biped.files.atomic import (require_folder, write_json)
-from frontal_biped.gait.gait import (Gait)
-from frontal_biped.gait.file import (save_gait)
-from frontal_biped.library.executors import (worker_processes)
-from frontal_biped.model.biped import (FrontalBiped)
-from frontal_biped.analysis.robustness import (RobustnessCard, robustness_card)
-from frontal_biped.analysis.sensitivity import (SensitivityExperiment, reversal_sensitivity)
-from frontal_biped.simulation.settings import (SimulationSettings)
-from frontal_biped.simulation.trajectory import (Trajectory, save_trajectory)
-from frontal_biped.simulation.walking import (simulate)
-from frontal_biped.analysis.sensitivity import (SpeedErrorOutcome, simulated_multiplier, speed_error_outcome)
+from frontal_biped.analysis.closed_form import analyze
+from frontal_biped.analysis.robustness import RobustnessCard, robustness_card
+from frontal_biped.analysis.sensitivity import (
+    SensitivityExperiment,
+    SpeedErrorOutcome,
+    reversal_sensitivity,
+    simulated_multiplier,
+    speed_error_outcome,
+)
+from frontal_biped.control.settings import ControllerSettings
+from frontal_biped.demo.report import DemoReport, SampledRun
+from frontal_biped.design.optimise import design_gait
+from frontal_biped.exceptions import DesignFailedError
+from frontal_biped.files.atomic import require_folder, write_json
+from frontal_biped.gait.file import save_gait
+from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.shipped import load_specification
+from frontal_biped.gait.specification import default_specification
+from frontal_biped.library.executors import worker_processes
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.simulation.settings import SimulationSettings
+from frontal_biped.simulation.trajectory import Trajectory, save_trajectory
+from frontal_biped.simulation.walking import simulate
 
 STEPS = 20
 PAGE_STEPS = 6  # animated in the report; enough for both feet three times
@@ -86,7 +91,7 @@ def make_demo(biped: FrontalBiped, folder: Path, on_progress: Say | None = None)
 def _compute(
     biped: FrontalBiped, folder: Path, figures: Path, say: Say, seconds: dict[str, float]
 ) -> tuple[DemoReport, Trajectory, Gait, list[Path]]:
-    from frontal_biped.figures.write import (write_figures)
+    from frontal_biped.figures.write import write_figures
 
     def timed(stage: str) -> "_Stage":
         say(stage)
@@ -191,8 +196,8 @@ def _sampled(
 
 def _draw(biped: FrontalBiped, run: Trajectory, report: DemoReport, paths: list[Path], folder: Path) -> None:
     from frontal_biped.demo.page import report_page
-    from frontal_biped.figures.write import (write_figure)
-    from frontal_biped.figures.robustness import (ROBUSTNESS_FIGURES, return_map, sensitivity)
+    from frontal_biped.figures.robustness import ROBUSTNESS_FIGURES, return_map, sensitivity
+    from frontal_biped.figures.write import write_figure
 
     paths = paths + write_figure(folder / "figures", "sensitivity", sensitivity(report.sensitivity.runs))
     card = list(report.robustness.values())[-1]

@@ -5,10 +5,10 @@ import math
 from collections.abc import Sequence
 from string import Template
 
-from frontal_biped.model.biped import (FrontalBiped)
-from frontal_biped.simulation.trajectory import (Trajectory)
-from frontal_biped.figures.write import (FIGURES)
-from frontal_biped.viewer.page import (animation_page, web_text)
+from frontal_biped.figures.write import FIGURES
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.viewer.page import animation_page, web_text
 
 NumberRow = tuple[str, float | int | str, str]
 """(name, value, unit)."""

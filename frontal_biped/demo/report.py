@@ -4,12 +4,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from frontal_biped.analysis.closed_form import (GaitAnalysis)
-from frontal_biped.design.optimise import (DesignResult)
-from frontal_biped.files.provenance import (software_versions)
-from frontal_biped.analysis.robustness import (RobustnessCard)
-from frontal_biped.analysis.sensitivity import (SensitivityExperiment)
-from frontal_biped.analysis.sensitivity import (SpeedErrorOutcome)
+from frontal_biped.analysis.closed_form import GaitAnalysis
+from frontal_biped.analysis.robustness import RobustnessCard
+from frontal_biped.analysis.sensitivity import SensitivityExperiment, SpeedErrorOutcome
+from frontal_biped.design.optimise import DesignResult
+from frontal_biped.files.provenance import software_versions
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from frontal_biped.cli import (main)
-from frontal_biped.gait.file import (load_gait)
-from frontal_biped.simulation import (load_trajectory)
+from frontal_biped.cli import main
+from frontal_biped.gait.file import load_gait
+from frontal_biped.simulation import load_trajectory
 
 FILES = {"gait.json", "run.npz", "report.json", "report.html", "figures"}
 FIGURES = {
