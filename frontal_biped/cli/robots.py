@@ -1,20 +1,46 @@
 """`frontal-biped robots`: what can be walked, and descriptions for what cannot yet."""
 
 import argparse
-import json
 import sys
+from pathlib import Path
 from typing import Any
 
-from frontal_biped.cli.main import SUCCESS, TASK_FAILED
+from frontal_biped.cli.arguments import add_json
+from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
+from frontal_biped.cli.output import emit
 from frontal_biped.exceptions import RobotError
-from frontal_biped.files.atomic import require_parent, write_text
-from frontal_biped.model.catalogue import description_path, load_robot, robot_names
-from frontal_biped.model.urdf.packages import EXAMPLE_ROBOT_DATA
-from frontal_biped.model.urdf.proposal import propose_description, propose_posture
+
+SUMMARY = "What can be walked; or propose a description for a URDF, or a posture for a description."
+EXAMPLE = "frontal-biped robots --describe my.urdf -o my.toml"
 
 
-def list_robots() -> tuple[dict[str, Any], str]:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What to propose, where to write."""
+    task = parser.add_mutually_exclusive_group()
+    task.add_argument(
+        "--describe", metavar="R.urdf", type=Path, help="propose a description by looking at the joints of a URDF"
+    )
+    task.add_argument(
+        "--posture",
+        metavar="R.toml",
+        help="print a description with a posture at which roll axes are parallel, feet flat and the robot balanced",
+    )
+    parser.add_argument("-o", "--output", metavar="R.toml", type=Path, help="description to write; default: print it")
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """List the robots, or propose."""
+    if arguments.describe is not None or arguments.posture is not None:
+        return _propose(arguments)
+    emit(arguments, *_list())
+    return SUCCESS
+
+
+def _list() -> tuple[dict[str, Any], str]:
     """The packaged robots as a table for JSON and as text; one that cannot be loaded is listed with the reason."""
+    from frontal_biped.model.catalogue import load_robot, robot_names
+
     rows: list[dict[str, Any]] = []
     lines = []
     for name in robot_names():
@@ -51,32 +77,34 @@ def list_robots() -> tuple[dict[str, Any], str]:
     return {"robots": rows}, "\n".join([head, units, *lines])
 
 
-def describe(arguments: argparse.Namespace) -> int:
+def _propose(arguments: argparse.Namespace) -> int:
     """Print or write a proposed description; exit status 1 if something is left for the user to settle."""
-    if arguments.output is not None:
-        require_parent(arguments.output)
+    from frontal_biped.files.atomic import require_parent, write_text
+    from frontal_biped.model.catalogue import description_path
+    from frontal_biped.model.urdf.packages import EXAMPLE_ROBOT_DATA
+    from frontal_biped.model.urdf.proposal import propose_description, propose_posture
+
+    output: Path | None = arguments.output
+    if output is not None:
+        require_parent(output)
     if arguments.describe is not None:
         proposal = propose_description(arguments.describe)
     else:
         proposal = propose_posture(description_path(arguments.posture))
-    packaged = f"{EXAMPLE_ROBOT_DATA}:" in proposal.text
-    if arguments.output is not None and not packaged:
+    shown = proposal.text.removesuffix("\n")
+    if output is not None:
         folder = proposal.folder.resolve()
-        if arguments.output.resolve().parent != folder:
-            raise RobotError(f"{arguments.output}: the description names its URDF from {folder}; write it there")
-    if arguments.output is not None:
-        write_text(arguments.output, proposal.text)
-    if arguments.json:
-        table = {
-            "description": proposal.text,
-            "undecided": list(proposal.undecided),
-            "output": None if arguments.output is None else str(arguments.output),
-        }
-        sys.stdout.write(json.dumps(table, indent=1) + "\n")
-    elif arguments.output is None:
-        sys.stdout.write(proposal.text)
-    else:
-        sys.stdout.write(f"written to {arguments.output}; design a gait with --robot {arguments.output}\n")
+        packaged = f"{EXAMPLE_ROBOT_DATA}:" in proposal.text
+        if not packaged and output.resolve().parent != folder:
+            raise RobotError(f"{output}: the description names its URDF from {folder}; write it there")
+        write_text(output, proposal.text)
+        shown = f"written to {output}; design a gait with --robot {output}"
+    table = {
+        "description": proposal.text,
+        "undecided": list(proposal.undecided),
+        "output": None if output is None else str(output),
+    }
+    emit(arguments, table, shown)
     for line in proposal.undecided:
         sys.stderr.write(f"frontal-biped: not decided: {line}\n")
     return TASK_FAILED if proposal.undecided else SUCCESS

@@ -1,25 +1,49 @@
 """`frontal-biped trial`: run scenarios, print what they came to, exit 0 only if all expectations hold."""
 
 import argparse
-import json
 import sys
-from concurrent.futures import Executor
-from contextlib import AbstractContextManager, nullcontext
-from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from frontal_biped.cli.main import SUCCESS, TASK_FAILED
+from frontal_biped.cli.arguments import add_jobs, add_json, positive_int, whole_number
+from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
+from frontal_biped.cli.output import emit
 from frontal_biped.cli.progress import Progress
-from frontal_biped.exceptions import ScenarioError
-from frontal_biped.files.atomic import require_folder, require_parent
-from frontal_biped.library.executors import worker_processes
-from frontal_biped.scenarios.file import load_scenario
-from frontal_biped.scenarios.monte_carlo import run_trials
-from frontal_biped.scenarios.report import markdown, table, write_junit
-from frontal_biped.scenarios.run import TrialResult
+
+if TYPE_CHECKING:
+    from frontal_biped.scenarios.run import TrialResult
+
+SUMMARY = "Run scenarios: disturbed walks with expectations; exit status 1 if one does not hold."
+EXAMPLE = "frontal-biped trial examples/scenarios/push.scenario.toml --repeat 20 --seed 1 --jobs 2 --save runs"
 
 
-def run_trial(arguments: argparse.Namespace) -> int:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Scenarios, which trials of them, where to write, how to print."""
+    parser.add_argument("scenarios", metavar="SCENARIO.toml", type=Path, nargs="+", help="scenario files")
+    parser.add_argument("--repeat", metavar="N", type=positive_int, help="trials of each; default: what its file says")
+    parser.add_argument("--seed", metavar="S", type=whole_number, help="of all trials; default: what each file says")
+    parser.add_argument("--only", metavar="K", type=whole_number, help="only trial K, from 0, of each scenario")
+    add_jobs(parser)
+    parser.add_argument("--junit", metavar="FILE", type=Path, help="write JUnit XML")
+    parser.add_argument(
+        "--save", metavar="DIR", type=Path, help="keep a run file of every trial, for `view` and `plot`"
+    )
+    shown = parser.add_mutually_exclusive_group()
+    shown.add_argument("--markdown", action="store_true", help="print the table as Markdown")
+    add_json(shown)
+
+
+def run(arguments: argparse.Namespace) -> int:
     """Read all scenarios first, so that a bad one is told before the first step is walked."""
+    from dataclasses import replace
+
+    from frontal_biped.cli.workers import workers
+    from frontal_biped.exceptions import ScenarioError
+    from frontal_biped.files.atomic import require_folder, require_parent
+    from frontal_biped.scenarios.file import load_scenario
+    from frontal_biped.scenarios.monte_carlo import run_trials
+    from frontal_biped.scenarios.report import markdown, table, write_junit
+
     scenarios = [load_scenario(path) for path in arguments.scenarios]
     if arguments.repeat is not None:
         for scenario in scenarios:
@@ -35,10 +59,10 @@ def run_trial(arguments: argparse.Namespace) -> int:
     if arguments.save is not None:
         require_folder(arguments.save)
     trials = len(scenarios) if arguments.only is not None else sum(arguments.repeat or s.repeat for s in scenarios)
-    with Progress("walking: trial", trials) as progress, _executor(arguments) as executor:
+    with Progress("walking: trial", trials) as progress, workers(arguments.jobs) as executor:
         finished: list[TrialResult] = []
 
-        def on_trial(done: int, total: int, result: TrialResult) -> None:
+        def on_trial(done: int, total: int, result: "TrialResult") -> None:
             finished.append(result)
             failed = sum(not each.passed for each in finished)
             progress.update(f"{result.scenario}{f', {failed} failed' if failed else ''}", done)
@@ -57,17 +81,11 @@ def run_trial(arguments: argparse.Namespace) -> int:
             on_trial=on_trial,
             on_step=on_step,
         )
+    passed = all(result.passed for result in results)
     if arguments.junit is not None:
         write_junit(results, arguments.junit)
-    if arguments.json:
-        content = {"passed": all(r.passed for r in results), "scenarios": [r.as_dict() for r in results]}
-        sys.stdout.write(json.dumps(content, indent=1, allow_nan=False) + "\n")
-    else:
-        sys.stdout.write((markdown if arguments.markdown else table)(results) + "\n")
+    content = {"passed": passed, "scenarios": [result.as_dict() for result in results]}
+    emit(arguments, content, (markdown if arguments.markdown else table)(results))
     if arguments.save is not None and not arguments.json:
         sys.stderr.write(f"runs in {arguments.save}; watch one with `frontal-biped view {arguments.save}/NAME-0.npz`\n")
-    return SUCCESS if all(result.passed for result in results) else TASK_FAILED
-
-
-def _executor(arguments: argparse.Namespace) -> AbstractContextManager[Executor | None]:
-    return worker_processes(arguments.jobs) if arguments.jobs > 1 else nullcontext()
+    return SUCCESS if passed else TASK_FAILED

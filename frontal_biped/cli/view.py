@@ -4,48 +4,35 @@ import argparse
 import sys
 from pathlib import Path
 
-from frontal_biped.cli.main import SUCCESS
+from frontal_biped.cli.arguments import add_no_open, add_robot, add_source, whole_number
+from frontal_biped.cli.exit_status import SUCCESS
 from frontal_biped.cli.progress import Progress
 from frontal_biped.exceptions import FrontalBipedError
-from frontal_biped.files.atomic import require_parent, write_text
-from frontal_biped.gait.file import load_gait
-from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.catalogue import load_robot
-from frontal_biped.simulation.trajectory import Trajectory, load_trajectory
 
-VIEWED_STEPS = 6
-"""Walked when a gait is viewed."""
-
-Watched = tuple[FrontalBiped, Trajectory]
+SUMMARY = "Watch a gait or a run in the browser: live, or as one self-contained page."
+EXAMPLE = "frontal-biped view gait.json --html page.html"
 
 
-def watched(source: Path, robot: str | None, steps: int = VIEWED_STEPS) -> Watched:
-    """Robot and run of a run file, whoever made it; or of a gait file, which is walked first.
-
-    Args:
-        source: gait (.json) or run (.npz).
-        robot: name or file of the robot; None: the one that the file names.
-        steps: of the walk.
-    """
-    from frontal_biped.cli.commands import _gait_of, _robot_of, _walk
-
-    if source.suffix == ".npz":
-        run = load_trajectory(source)
-        if "format" in run.gait:
-            return _robot_of(_gait_of(run, source), argparse.Namespace(robot=robot)), run
-        try:
-            return load_robot(robot or run.robot), run
-        except FrontalBipedError as error:
-            if robot:
-                raise
-            raise FrontalBipedError(f"{source}: its robot cannot be loaded: {error}; name it with --robot") from None
-    gait = load_gait(source)
-    biped = _robot_of(gait, argparse.Namespace(robot=robot))
-    return biped, _walk(biped, gait, steps, period=1e-3)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """One or two runs, how they are drawn, and where."""
+    add_source(parser)
+    parser.add_argument("beside", metavar="SECOND", type=Path, nargs="?", help="a second one, shown beside the first")
+    add_robot(parser)
+    parser.add_argument("--ghost", action="store_true", help="the desired posture as well, translucent")
+    parser.add_argument(
+        "--overlay", action="store_true", help="the second run translucent over the first, not beside it"
+    )
+    parser.add_argument("--html", metavar="PAGE.html", type=Path, help="write one offline page instead of a live view")
+    add_no_open(parser)
+    parser.add_argument(
+        "--port", metavar="N", type=whole_number, default=0, help="of the live view; default: the first free one"
+    )
 
 
-def run_view(arguments: argparse.Namespace) -> int:
-    """`frontal-biped view`."""
+def run(arguments: argparse.Namespace) -> int:
+    """Write the page, or serve the view until it is interrupted."""
+    from frontal_biped.cli.sources import watched
+    from frontal_biped.files.atomic import require_parent, write_text
     from frontal_biped.viewer.live import view_live
     from frontal_biped.viewer.page import animation_page
 

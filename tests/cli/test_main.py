@@ -2,6 +2,8 @@
 
 import json
 import os
+import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -11,11 +13,13 @@ from pathlib import Path
 import pytest
 
 from frontal_biped.cli import main
+from frontal_biped.cli.main import make_parser
 from frontal_biped.gait.file import load_gait, save_gait
 from frontal_biped.model import models_dir
 
-COMMANDS = ("demo", "design", "library", "analyze", "simulate", "view", "export", "plot", "robots")
-HELP_SECONDS = 2.0  # generous: it takes about 0.1 s when Pinocchio is not imported, 0.8 s when it is
+COMMANDS = (
+    "demo", "design", "library", "analyze", "simulate", "trial", "view", "export", "plot", "studio", "robots",
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -44,15 +48,40 @@ def robot_copy(folder: Path, edit=None, **replacements) -> Path:
 
 
 class TestGoodInput:
+    def test_commands_are_those_of_the_help(self, capsys):
+        assert main(["--help"]) == 0
+        assert tuple(re.findall(r"^    (\w+) ", capsys.readouterr().out, re.MULTILINE)) == COMMANDS
+
     @pytest.mark.parametrize("command", COMMANDS)
-    def test_help_has_an_example(self, command, capsys):
+    def test_example_of_the_help_parses_as_printed(self, command, capsys):
         assert main([command, "--help"]) == 0
-        assert f"example: frontal-biped {command}" in capsys.readouterr().out
+        program, *example = shlex.split(capsys.readouterr().out.partition("\nexample: ")[2])
+        assert program == "frontal-biped"
+        assert make_parser().parse_args(example).command == command
+
+    def test_defaults_are_those_that_the_help_tells(self, capsys):
+        assert main(["simulate", "--help"]) == 0
+        shown = " ".join(capsys.readouterr().out.partition("options:")[2].split())
+        parsed = make_parser().parse_args(["simulate", "gait.json"])
+        for option, default in (
+            ("steps", 20),
+            ("rate", 1000.0),
+            ("speed-error", 0.0),
+            ("torque-noise", 0.0),
+            ("seed", 0),
+        ):
+            told = re.search(rf" --{option} [A-Z]+ [^;]*; default: (\S+)", shown)[1]
+            value = getattr(parsed, option.replace("-", "_"))
+            assert (type(value), value, float(told)) == (type(default), default, default)
 
     def test_help_does_not_wait_for_pinocchio(self):
-        code = "import sys; from frontal_biped.cli import main; main(['--help']); print('pinocchio' in sys.modules)"
+        code = (
+            "import sys; from frontal_biped.cli import main\n"
+            f"for command in {COMMANDS}: main([command, '--help'])\n"
+            "main(['--help']); main([]); print({'numpy', 'pinocchio', 'matplotlib', 'meshcat'} & set(sys.modules))"
+        )
         out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-        assert out.endswith("False\n")
+        assert out.endswith("\nset()\n")
 
     def test_version_names_the_solvers(self, capsys):
         assert main(["--version"]) == 0
@@ -239,8 +268,6 @@ BAD_ROBOTS = {
 class TestBadRobots:
     @pytest.mark.parametrize("case", BAD_ROBOTS)
     def test_refused_in_one_line(self, case, tmp_path, capsys):
-        import re
-
         replacements, pattern = BAD_ROBOTS[case]
         description = robot_copy(tmp_path, **replacements)
         output = tmp_path / "out" / "gait.json"
@@ -285,8 +312,6 @@ BAD_SPECIFICATIONS = {
 class TestBadSpecifications:
     @pytest.mark.parametrize("case", BAD_SPECIFICATIONS)
     def test_refused_in_one_line(self, case, tmp_path, capsys):
-        import re
-
         text, pattern = BAD_SPECIFICATIONS[case]
         spec, output = tmp_path / "spec.toml", tmp_path / "gait.json"
         spec.write_text(text + "\n")
@@ -344,8 +369,6 @@ class TestBadFiles:
     @pytest.mark.parametrize("command", ["analyze", "simulate", "view", "plot"])
     @pytest.mark.parametrize("case", BAD_GAITS)
     def test_gait_refused_in_one_line(self, case, command, gait_file, tmp_path, capsys):
-        import re
-
         edit, pattern = BAD_GAITS[case]
         path = _edited(gait_file, tmp_path, edit)
         arguments = {"view": ["--html", str(tmp_path / "page.html")], "plot": ["-o", str(tmp_path / "figures")]}

@@ -1,0 +1,52 @@
+"""`frontal-biped analyze`."""
+
+import argparse
+import os
+
+from frontal_biped.cli.arguments import add_gait, add_json, add_robot, positive_int
+from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
+from frontal_biped.cli.output import emit
+from frontal_biped.cli.progress import Progress
+
+SUMMARY = "Closed-form orbit, reversal, certificate, and C01 to C09 with margins; exit status 1 if not certified."
+EXAMPLE = "frontal-biped analyze gait.json"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Gait, robustness card, robot, JSON."""
+    add_gait(parser)
+    parser.add_argument(
+        "--robustness",
+        action="store_true",
+        help="add the robustness card: speeds that return and pushes survived; about two minutes of processor time",
+    )
+    parser.add_argument(
+        "--jobs",
+        metavar="N",
+        type=positive_int,
+        default=len(os.sched_getaffinity(0)),
+        help="worker processes for the robustness card; default: the processors there are",
+    )
+    add_robot(parser)
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the analysis; success is a certificate."""
+    from frontal_biped.analysis.closed_form import analyze
+    from frontal_biped.analysis.robustness import robustness_card
+    from frontal_biped.cli.sources import load_walker
+    from frontal_biped.cli.workers import workers
+
+    biped, gait = load_walker(arguments.gait, arguments.robot)
+    with Progress("analysing:") as progress:
+        progress.update("orbit, reversal and certificate")
+        analysis = analyze(biped, gait)
+        table, text = analysis.as_dict(), str(analysis)
+        if arguments.robustness:
+            with workers(arguments.jobs) as executor:
+                card = robustness_card(biped, gait, executor=executor, on_progress=progress.update)
+            table["robustness"] = card.as_dict()
+            text += f"\n\n{card}"
+    emit(arguments, table, text)
+    return SUCCESS if analysis.certified else TASK_FAILED

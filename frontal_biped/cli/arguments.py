@@ -1,0 +1,110 @@
+"""Types of arguments, and the arguments that several commands take."""
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+Arguments = argparse._ActionsContainer
+"""A parser, or a group of its arguments."""
+
+
+# ------------------------------------------------------------- shared arguments
+def add_value(to: Arguments, option: str, metavar: str, kind: Callable[[str], Any], default: str, meaning: str) -> None:
+    """An option with a default, written as on the command line and told by the help."""
+    to.add_argument(option, metavar=metavar, type=kind, default=default, help=f"{meaning}; default: %(default)s")
+
+
+def add_gait(to: Arguments) -> None:
+    """The gait file to work on."""
+    to.add_argument("gait", metavar="G.json", type=Path, help="gait file")
+
+
+def add_source(to: Arguments) -> None:
+    """The gait or run file to show."""
+    to.add_argument("source", metavar="G.json|RUN.npz", type=Path, help="gait or run file")
+
+
+def add_robot(to: Arguments, default: str | None = None) -> None:
+    """``--robot``; without a default the robot is the one that a file names."""
+    meaning = "a name from `robots`, or a description (.toml) or URDF file"
+    shown = default or "the robot the gait names"
+    to.add_argument("--robot", metavar="R", default=default, help=f"{meaning}; default: {shown}")
+
+
+def add_jobs(to: Arguments) -> None:
+    """``--jobs``, one by default; see `workers`."""
+    add_value(to, "--jobs", "N", positive_int, "1", "worker processes")
+
+
+def add_json(to: Arguments) -> None:
+    """``--json``; see `emit`."""
+    to.add_argument("--json", action="store_true", help="print the report as JSON")
+
+
+def add_no_open(to: Arguments) -> None:
+    """``--no-open``, of what is shown in a browser."""
+    to.add_argument("--no-open", action="store_true", help="do not open a browser, only print the address")
+
+
+# ------------------------------------------------------------------------ types
+def positive_int(text: str) -> int:
+    """1, 2, ..."""
+    try:
+        value = int(text)
+    except ValueError:
+        value = 0
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive whole number")
+    return value
+
+
+def whole_number(text: str) -> int:
+    """0, 1, ..."""
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number")
+    return int(text)
+
+
+def finite_float(text: str) -> float:
+    """A number, neither infinite nor NaN."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not abs(value) < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
+
+
+def positive_float(text: str) -> float:
+    """A finite number above 0."""
+    value = finite_float(text)
+    if value <= 0.0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not positive")
+    return value
+
+
+def not_negative_float(text: str) -> float:
+    """A finite number, 0 or more."""
+    value = finite_float(text)
+    if value < 0.0:
+        raise argparse.ArgumentTypeError(f"{text!r} is negative")
+    return value
+
+
+def figure_formats(text: str) -> tuple[str, ...]:
+    """Formats of figures, with commas between them."""
+    formats = tuple(part.strip().lower() for part in text.split(","))
+    wrong = [part for part in formats if part not in ("svg", "pdf", "png")]
+    if wrong:
+        raise argparse.ArgumentTypeError(f"{wrong[0]!r} is none of svg, pdf, png")
+    return formats
+
+
+def size(text: str) -> tuple[int, int]:
+    """Width and height in pixels, as in 1280x800."""
+    width, _, height = text.partition("x")
+    if not (width.isdecimal() and height.isdecimal() and min(int(width), int(height)) >= 100):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a size like 1280x800, 100 pixels or more")
+    return int(width), int(height)

@@ -1,0 +1,31 @@
+"""`frontal-biped demo`."""
+
+import argparse
+from pathlib import Path
+
+from frontal_biped.cli.arguments import add_json, add_robot, add_value
+from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
+from frontal_biped.cli.output import emit
+from frontal_biped.cli.progress import Progress
+
+SUMMARY = "Design, certify, simulate, and make page and figures for the Table I robot."
+EXAMPLE = "frontal-biped demo --out demo"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Folder, robot, JSON."""
+    add_value(parser, "--out", "DIR", Path, "demo", "folder to write")
+    add_robot(parser, "frontal_biped")
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Make the demonstration's folder."""
+    from frontal_biped.demo.demo import make_demo
+    from frontal_biped.model.catalogue import load_robot
+
+    biped = load_robot(arguments.robot)
+    with Progress("demo:") as progress:
+        report = make_demo(biped, arguments.out, on_progress=progress.update)
+    emit(arguments, report.as_dict(), str(report))
+    return SUCCESS if report.success else TASK_FAILED

@@ -1,0 +1,79 @@
+"""`frontal-biped design`."""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from frontal_biped.cli.arguments import add_json, add_robot, add_value, positive_int
+from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
+from frontal_biped.cli.output import emit
+from frontal_biped.cli.progress import Progress
+
+if TYPE_CHECKING:
+    from frontal_biped.design.optimise import DesignResult
+    from frontal_biped.model.biped import FrontalBiped
+
+SUMMARY = "Design a gait: minimise J under C01 to C09."
+EXAMPLE = "frontal-biped design --robot frontal_biped --spec spec.toml -o gait.json"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Robot, specification, where to start, where to write."""
+    add_robot(parser, "frontal_biped")
+    parser.add_argument(
+        "--spec", metavar="S", help="gait specification (.toml), or `robust`; default: what suits the robot"
+    )
+    parser.add_argument("--start", metavar="G.json", type=Path, help="gait to start from; default: a swayed stand")
+    starts = "designs from as many starts, random but the first; the cheapest gait is kept"
+    add_value(parser, "--attempts", "N", positive_int, "1", starts)
+    parser.add_argument("-o", "--output", metavar="G.json", type=Path, help="gait file to write")
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Design a gait, write it, print its constraints."""
+    from frontal_biped.design.optimise import design_gait
+    from frontal_biped.files.atomic import require_parent
+    from frontal_biped.gait.file import load_gait, save_gait
+    from frontal_biped.gait.shipped import load_specification
+    from frontal_biped.gait.specification import default_specification
+    from frontal_biped.model.catalogue import load_robot
+
+    biped = load_robot(arguments.robot)
+    specification = default_specification(biped) if arguments.spec is None else load_specification(arguments.spec)
+    if arguments.output is not None:
+        require_parent(arguments.output)
+    with Progress("designing:") as progress:
+
+        def show(iteration: int, cost: float, violation: float) -> None:
+            progress.update(f"iteration {iteration}, J = {cost:.3f} N^2 m s, violation {violation:.1e}")
+
+        start = None if arguments.start is None else load_gait(arguments.start)
+        result = design_gait(biped, specification, start=start, attempts=arguments.attempts, on_progress=show)
+    if result.gait is None:
+        sys.stderr.write(f"frontal-biped: no gait: {biped.name}: {result.message}\n")
+        return TASK_FAILED
+    if arguments.output is not None:
+        save_gait(result.gait, arguments.output)
+    emit(arguments, *_report(biped, result, arguments.output))
+    return SUCCESS
+
+
+def _report(biped: "FrontalBiped", result: "DesignResult", output: Path | None) -> tuple[dict[str, object], str]:
+    """For JSON, and as text."""
+    table = {
+        "success": result.success,
+        "message": result.message,
+        "iterations": result.iterations,
+        "evaluations": result.evaluations,
+        "seconds": result.seconds,
+        "output": None if output is None else str(output),
+        "asymmetry": biped.asymmetry.as_dict(),
+        "constraints": None if result.report is None else result.report.as_dict(),
+    }
+    share = 100.0 * biped.asymmetry.mass_matrix
+    legs = f"\nlegs averaged; they differ by {share:.2g} % of the mass matrix" if biped.asymmetry.differences else ""
+    effort = f"{result.iterations} iterations, {result.evaluations} evaluations, {result.seconds:.2f} s"
+    saved = f"written to {output}" if output is not None else "not saved; add -o gait.json"
+    return table, f"{result.report}\n\n{biped.name}: {result.message}{legs}\n{effort}; {saved}"
