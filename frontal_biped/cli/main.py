@@ -52,17 +52,19 @@ def main(argv: Sequence[str] | None = None) -> int:
     if arguments.debug:
         return int(arguments.run(arguments))
     try:
-        return int(arguments.run(arguments))
+        status = int(arguments.run(arguments))
+        sys.stdout.flush()  # what cannot be written is told here, not by the interpreter at its end
+        return status
     except FrontalBipedError as error:
         return _complain(str(error))
-    except OSError as error:
-        return _complain(f"{error.filename or 'file system'}: {error.strerror or error}; choose another path")
-    except KeyboardInterrupt:
-        return _complain("interrupted; nothing was left half-written")
     except BrokenPipeError:
         # the reader of our output has gone; leave quietly, as other tools do
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return TASK_FAILED
+    except OSError as error:
+        return _complain(f"{error.filename or 'file system'}: {error.strerror or error}; choose another path")
+    except KeyboardInterrupt:
+        return _complain("interrupted; nothing was left half-written")
 
 
 def _complain(message: str) -> int:
