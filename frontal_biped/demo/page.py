@@ -8,7 +8,9 @@ from string import Template
 from frontal_biped.figures.write import FIGURES
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import Trajectory
-from frontal_biped.viewer.page import animation_page, web_text
+from frontal_biped.viewer.page import animation_page, closed_page, web_text
+
+_HERE = "frontal_biped.demo"  # whose folder ``web`` holds the page
 
 NumberRow = tuple[str, float | int | str, str]
 """(name, value, unit)."""
@@ -48,10 +50,9 @@ def report_page(
     heading = title or f"{biped.name}: frontal-plane walking"
     animation = animation_page(biped, trajectory, title=biped.name, theme="light")
     outcome = f"{trajectory.steps_completed} steps, {trajectory.outcome}"
-    return Template(web_text("report.html")).substitute(
+    body = Template(web_text("report.html", _HERE)).substitute(
         title=html.escape(heading),
         subtitle=html.escape(subtitle or outcome),
-        style=web_text("report.css"),
         animation=html.escape(animation, quote=True),
         numbers=_numbers_table(numbers),
         constraints=_constraint_table(constraints),
@@ -61,6 +62,7 @@ def report_page(
             for caption, svg in figures
         ),
     )
+    return closed_page(heading, web_text("report.css", _HERE), body)
 
 
 def _numbers_table(rows: Sequence[NumberRow]) -> str:

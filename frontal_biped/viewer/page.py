@@ -118,16 +118,33 @@ def viewer_page(title: str, packed: list[bytes], about: dict[str, Any], socket: 
     Returns:
         The page's text.
     """
-    return Template(web_text("viewer.html")).substitute(
+    body = Template(web_text("viewer.html")).substitute(
         title=html.escape(title),
-        style=web_text("viewer.css"),
         meshcat_licence=_viewer_file("main.min.js.LICENSE.txt").replace("--", "- -"),
         meshcat=_viewer_file("main.min.js"),
         commands=script_json([base64.b64encode(command).decode("ascii") for command in packed]),
         about=script_json(about),
         socket="true" if socket else "false",
-        connect="ws:" if socket else "",
         script=web_text("plots.js") + web_text("timeline.js") + web_text("viewer.js"),
+    )
+    return closed_page(title, web_text("viewer.css"), body, schemes="light dark", connect="ws:" if socket else "")
+
+
+def closed_page(title: str, style: str, body: str, *, schemes: str = "light", connect: str = "") -> str:
+    """A page that loads nothing but what it holds; its content security policy says so to the browser.
+
+    Args:
+        title: of the page.
+        style: CSS.
+        body: HTML.
+        schemes: colour schemes that the style knows.
+        connect: what else it may connect to; "" is nothing.
+
+    Returns:
+        The page's text.
+    """
+    return Template(web_text("page.html")).substitute(
+        title=html.escape(title), style=style, body=body, schemes=schemes, connect=connect
     )
 
 
@@ -136,9 +153,9 @@ def script_json(value: Any) -> str:
     return json.dumps(value, allow_nan=False).replace("<", "\\u003c").replace("\u2028", "\\u2028")
 
 
-def web_text(name: str) -> str:
-    """A file of the ``web`` folder."""
-    return (files("frontal_biped.viewer") / "web" / name).read_text(encoding="utf-8")
+def web_text(name: str, package: str = "frontal_biped.viewer") -> str:
+    """A file of a package's ``web`` folder."""
+    return (files(package) / "web" / name).read_text(encoding="utf-8")
 
 
 def _viewer_file(name: str) -> str:

@@ -4,15 +4,14 @@ import base64
 import json
 import re
 from dataclasses import replace
-from html.parser import HTMLParser
 
 import meshcat
 import numpy as np
 import pytest
 import umsgpack
 from meshcat.geometry import Box
+from offline import assert_offline
 
-from frontal_biped.demo.page import report_page
 from frontal_biped.exceptions import RobotError
 from frontal_biped.simulation import Disturbances, Push
 from frontal_biped.simulation.world import drawable, phase_spans, sole_ends, world_configurations, world_motion
@@ -45,31 +44,6 @@ def clips(commands):
     assert animation[0]["options"]["play"] is True
     assert animation[0]["options"]["repetitions"] > 1000
     return {clip["path"]: clip["clip"] for clip in animation[0]["animations"]}
-
-
-class Links(HTMLParser):
-    """Collects what a browser would load."""
-
-    def __init__(self):
-        super().__init__()
-        self.loaded, self.frames = [], []
-
-    def handle_starttag(self, tag, attrs):
-        attrs = dict(attrs)
-        self.loaded += [attrs[key] for key in ("src", "href", "data", "xlink:href") if key in attrs and tag != "a"]
-        if tag == "iframe":
-            self.frames.append(attrs["srcdoc"])
-
-
-def assert_offline(page):
-    links = Links()
-    links.feed(page)
-    assert all(link.startswith(("data:", "#")) for link in links.loaded), links.loaded
-    styles = "".join(re.findall(r"<style>(.*?)</style>", page, re.DOTALL))
-    assert "url(" not in styles.replace("url(#", "")
-    assert "@import" not in styles
-    assert "Content-Security-Policy" in page
-    return links
 
 
 def test_scene_names_its_nodes(biped, commands):
@@ -273,42 +247,6 @@ def test_two_runs_stand_apart_and_end_together(biped, low_torso, orbit, walk):
     overlaid = cast(biped, orbit, beside=(biped, walk), overlay=True)
     assert [actor.shift for actor in overlaid] == [0.0, 0.0]
     assert page_data(overlaid)["overlaid"]
-
-
-def test_report_escapes_text_and_asks_no_network(biped, orbit):
-    report = report_page(
-        biped,
-        orbit,
-        [("torques", "<svg id='a'></svg>"), ("own <caption>", "<svg id='b'></svg>")],
-        numbers=[
-            ("multiplier <m>", 0.7553, "-"),
-            ("residual", 1.5e-13, "rad"),
-            ("steps", 4, ""),
-            ("bad", float("nan"), ""),
-        ],
-        constraints=[
-            ("C01", "a & b", 1.0, 2.0, 1.0, "-"),
-            ("C02", "short", 0.1, 0.2, -0.1, "rad"),
-            ("C03", "unknown", "nan", "1", "nan", "-"),
-        ],
-        notes=["<script>alert(1)</script>"],
-        title="A <title>",
-    )
-    links = assert_offline(report)
-    assert len(links.frames) == 1
-    assert_offline(links.frames[0])
-    for text in ("multiplier &lt;m&gt;", "a &amp; b", "&lt;script&gt;alert(1)", "<title>A &lt;title&gt;</title>"):
-        assert text in report
-    assert "Joint torques over two steps." in report
-    assert "own &lt;caption&gt;" in report
-    assert "1.5 × 10<sup>−13</sup>" in report
-    assert report.count('class="violated"') == 2
-    assert report.count('class="kept"') == 1
-
-
-def test_report_without_tables(biped, orbit):
-    report = report_page(biped, orbit, [])
-    assert "<table" not in report.split("</iframe>")[1]
 
 
 def test_recorder_keeps_the_latest_and_deletes_below():
