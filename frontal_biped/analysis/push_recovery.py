@@ -1,6 +1,7 @@
 """Pushes in the full model at 1 kHz: the largest one survived at an instant of the step, by bisection."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from frontal_biped.simulation.pushes import Push
 from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.simulation.walking import simulate
+from frontal_biped.zero_dynamics.poincare import StepOrbit
 
 PERIOD = 1e-3  # [s]
 PUSH_DURATION = 0.05  # [s]
@@ -76,9 +78,7 @@ def largest_push(
         direction: "outwards" or "inwards", of the first stance foot.
         resolution: of the impulse [N s]; a tenth of it is enough in any case.
     """
-    step = gait.step(biped)
-    up, down = step.rising.duration, step.falling.duration
-    start = place * up if place <= 1.0 else up + (place - 1.0) * down
+    start = time_in_step(gait.step(biped), place)
     # the left foot stands first: outwards is to the left
     sign = 1.0 if direction == "outwards" else -1.0
     good, bad, steps, why = 0.0, np.inf, 0, "nothing up to the end of the search"
@@ -92,18 +92,22 @@ def largest_push(
     return PushOutcome(instant, direction, good, steps, why)
 
 
+def pushed_walk(biped: FrontalBiped, gait: Gait, stabiliser: str, push: Push, **options: Any) -> Trajectory:
+    """A walk at `PERIOD` into a push; options of `simulate`."""
+    disturbances = Disturbances(pushes=(push,))
+    return simulate(biped, gait, period=PERIOD, stabiliser=stabiliser, disturbances=disturbances, **options)
+
+
+def time_in_step(step: StepOrbit, place: float) -> float:
+    """When a place of the step is reached, from the impact that begins it [s]; see `INSTANTS`."""
+    up, down = step.rising.duration, step.falling.duration
+    return place * up if place <= 1.0 else up + (place - 1.0) * down
+
+
 def _fate(biped: FrontalBiped, gait: Gait, stabiliser: str, push: Push) -> tuple[str, int]:
     """What is in the way of recovery, empty where nothing is; and the steps that recovery takes."""
     for steps in STEPS_TO_DECIDE:
-        run = simulate(
-            biped,
-            gait,
-            steps=steps,
-            period=PERIOD,
-            stabiliser=stabiliser,
-            disturbances=Disturbances(pushes=(push,)),
-            simulation_settings=RECORDING,
-        )
+        run = pushed_walk(biped, gait, stabiliser, push, steps=steps, simulation_settings=RECORDING)
         if run.fell:
             return run.outcome, 0
         late = np.flatnonzero(speed_errors(run, gait) > RECOVERED)

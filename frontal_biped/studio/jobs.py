@@ -10,7 +10,14 @@ from functools import lru_cache
 import numpy as np
 
 from frontal_biped.analysis.closed_form import analyze
-from frontal_biped.analysis.push_recovery import INSTANTS, PERIOD, PUSH_DURATION, RECOVERED
+from frontal_biped.analysis.push_recovery import (
+    INSTANTS,
+    PUSH_DURATION,
+    RECOVERED,
+    pushed_walk,
+    speed_errors,
+    time_in_step,
+)
 from frontal_biped.design.optimise import design_gait
 from frontal_biped.gait.check import ConstraintReport, check_constraints
 from frontal_biped.gait.file import load_gait
@@ -18,10 +25,8 @@ from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import load_robot, models_dir
-from frontal_biped.simulation.disturbances import Disturbances
 from frontal_biped.simulation.orbit import orbit_trajectory
 from frontal_biped.simulation.pushes import Push
-from frontal_biped.simulation.walking import simulate
 from frontal_biped.studio.drawing import Clip, Drawing, clip_of, drawing_of
 from frontal_biped.viewer.page import animation_page
 
@@ -144,29 +149,23 @@ def push(tell: Tell, name: str, gait: Gait, impulse: float, moment: str) -> Push
         moment: of `PUSH_MOMENTS`.
     """
     biped = robot(name)
-    orbit = gait.step(biped)
-    place = PUSH_MOMENTS[moment]
-    up, down = orbit.rising.duration, orbit.falling.duration
-    start = STEPS_BEFORE * (up + down) + (place * up if place <= 1.0 else up + (place - 1.0) * down)
+    step = gait.step(biped)
+    start = STEPS_BEFORE * step.duration + time_in_step(step, PUSH_MOMENTS[moment])
     # the left foot stands in steps 0, 2, ...; outwards is to the side of the foot that stands
     impulse_to_the_left = impulse * (-1.0) ** STEPS_BEFORE
     steps = STEPS_BEFORE + STEPS_AFTER
     shove = Push(float(start), PUSH_DURATION, impulse_to_the_left)
     tell("walking into the push")
-    run = simulate(
-        biped,
-        gait,
-        steps=steps,
-        period=PERIOD,
-        stabiliser=PUSH_STABILISER,
-        disturbances=Disturbances(pushes=(shove,)),
-        on_step=lambda done: tell(f"walking: step {done} of {steps}"),
-    )
+
+    def on_step(done: int) -> None:
+        tell(f"walking: step {done} of {steps}")
+
+    run = pushed_walk(biped, gait, PUSH_STABILISER, shove, steps=steps, on_step=on_step)
     sense = "outwards" if impulse > 0.0 else "inwards"
     what = f"push of {abs(impulse):g} N s {sense}, {moment}"
     if run.fell:
         return Pushed(False, f"{what}: fell, {run.outcome}", clip_of(biped, run, shove))
-    errors = np.abs(run.post_impact_states()[:, 4] / gait.orbit.beta_dot_after_impact - 1.0)
+    errors = speed_errors(run, gait)
     if errors[-1] > RECOVERED:
         left = f"speed still {100.0 * errors[-1]:.0f} % off after {STEPS_AFTER} steps"
         return Pushed(False, f"{what}: walks on, but {left}", clip_of(biped, run, shove))
