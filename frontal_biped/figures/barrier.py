@@ -9,11 +9,23 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.stabilisers.transitions import AdaptiveTransitions
 from frontal_biped.exceptions import ReversalError
-from frontal_biped.figures.style import BLACK, BLUE, GREEN, PURPLE, VERMILION, legend_above, new_figure, styled
+from frontal_biped.figures.style import (
+    BETA_LABEL,
+    BLACK,
+    BLUE,
+    GREEN,
+    PURPLE,
+    VERMILION,
+    ZETA_LABEL,
+    legend_above,
+    panels,
+    styled,
+)
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.simulation.world import phase_spans
+from frontal_biped.virtual_constraints.phase import StepPhase
 from frontal_biped.zero_dynamics.energy import PhaseEnergy
 from frontal_biped.zero_dynamics.half_steps import falling_energy, rising_energy
 
@@ -61,8 +73,7 @@ def energy_barrier(
     growth, hill = np.array([energy.at(b) for b in beta]).T
     top = energy.highest
 
-    figure = new_figure("barrier", 4.9)
-    upper, lower = figure.subplots(2, 1, sharex=True)
+    figure, (upper, lower) = panels("barrier", 2, 4.9)
     upper.fill_between(beta, 0.0, hill, color="#C9CED6", linewidth=0.0, label=r"hill $V_Z/\delta^2$")
     upper.plot(beta, hill, color="#6B7480", linewidth=1.8, label="_hill")
     _mark_top(upper, beta[-1], top, energy.reaches_barrier)
@@ -101,8 +112,8 @@ def energy_barrier(
         speed = 100.0 * (np.sqrt(top / own) - 1.0)
         upper.set_xlabel(f"tips over from {speed:+.0f} % speed (energy {100.0 * (top / own - 1.0):+.0f} %)")
     upper.set_ylabel("energy after impact " + r"$\zeta^+$" + "\n" + r"[kg$^2$ m$^4$/s$^2$]")
-    lower.set_ylabel(r"$\zeta=\sigma_{\mathrm{FRI}}^2/2$" + "\n" + r"[kg$^2$ m$^4$/s$^2$]")
-    lower.set_xlabel(r"stance ankle angle $\beta$ [rad]; rising to the right")
+    lower.set_ylabel(ZETA_LABEL)
+    lower.set_xlabel(f"{BETA_LABEL}; rising to the right")
     lower.axhline(0.0, color=BLACK, linewidth=0.8)
     lower.locator_params(axis="x", nbins=5)
     legend_above(upper, 2)
@@ -118,7 +129,7 @@ def run_levels(biped: FrontalBiped, trajectory: Trajectory) -> tuple[FloatArray,
     spans = phase_spans(trajectory)
     places, levels = [], []
     for span, after in pairwise(spans):
-        if not span.rising or after.rising or after.step != span.step:
+        if not (span.phase is StepPhase.RISING and after.phase is StepPhase.FALLING and after.step == span.step):
             continue
         first, last = span.samples.start, span.samples.stop - 1
         sigma = biped.sigma(trajectory.q[first], trajectory.dq[first], float(trajectory.p_fri[first]))

@@ -10,7 +10,6 @@ from frontal_biped.figures.style import (
     BLACK,
     BLUE,
     GREEN,
-    JOINTS,
     VERMILION,
     by_phase,
     legend_above,
@@ -19,6 +18,7 @@ from frontal_biped.figures.style import (
 )
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.chain import JOINTS
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.zero_dynamics.reversal.bracket import beta_maximum
 
@@ -60,9 +60,7 @@ def conventions(biped: FrontalBiped, q: FloatArray) -> "Figure":
     com = biped.com(q)
     ax.plot(*com, "o", color=BLACK, markersize=6)
     ax.text(com[0] + 0.03, com[1], "centre of mass", va="center", fontsize=8.5)
-    ax.axhline(0.0, color=BLACK, linewidth=0.8)
-    ax.set(xlabel="h [m], towards the swing foot", ylabel="v [m]")
-    ax.set_aspect("equal")
+    _plane(ax)
     ax.margins(0.12)
     return figure
 
@@ -93,9 +91,7 @@ def reversal_bracket(biped: FrontalBiped, gait: Gait) -> "Figure":
     fri = float(gait.rising.fri_bezier[-1])
     ax.plot([fri], [0.0], "v", color=BLACK, markersize=8, clip_on=False)
     ax.text(fri - 0.03, 0.05, "FRI", ha="right", fontsize=8.5)
-    ax.axhline(0.0, color=BLACK, linewidth=0.8)
-    ax.set(xlabel="h [m], towards the swing foot", ylabel="v [m]")
-    ax.set_aspect("equal")
+    _plane(ax)
     ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
 
@@ -138,6 +134,13 @@ def reversal_zoom(runs: Mapping[float, Trajectory]) -> "Figure":
         ax.set_xlabel("time from the reversal [ms]")
         ax.axvline(0.0, color=BLACK, linewidth=0.8)
     return figure
+
+
+def _plane(ax: "Axes") -> None:
+    """The frontal plane in (h, v) with its ground, equal scales."""
+    ax.axhline(0.0, color=BLACK, linewidth=0.8)
+    ax.set(xlabel="h [m], towards the swing foot", ylabel="v [m]")
+    ax.set_aspect("equal")
 
 
 def _pose(ax: "Axes", biped: FrontalBiped, q: FloatArray, colour: str, opacity: float, label: str = "") -> None:

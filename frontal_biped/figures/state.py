@@ -7,20 +7,25 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.figures.style import (
+    BETA_LABEL,
     BLACK,
     BLUE,
     COLUMN,
     GREEN,
     VERMILION,
+    ZETA_LABEL,
     legend_above,
     new_figure,
     own_or_new,
+    panels,
     styled,
 )
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.simulation.world import phase_spans, plane_to_world, resample, sole_ends, world_configurations
+from frontal_biped.virtual_constraints.phase import StepPhase
 from frontal_biped.zero_dynamics.orbit import resample as resample_orbit
 
 if TYPE_CHECKING:
@@ -28,6 +33,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _TAU = np.linspace(0.0, 1.0, 121)
+
+_LOOKS = {StepPhase.RISING: (BLUE, "-"), StepPhase.FALLING: (VERMILION, "--")}
 
 
 # a dotted shaft would dot the head as well
@@ -75,15 +82,9 @@ def snapshots(biped: FrontalBiped, trajectory: Trajectory, count: int = 7) -> "F
         _ground(ax, count, pitch)
         for k in range(count):
             _stick_figure(ax, biped, poses, k, k * pitch, 0.35 + 0.65 * k / max(count - 1, 1))
-            ax.text(
-                k * pitch,
-                -0.07 * biped.leg_length,
-                f"{poses.t[k] - run.t[0]:.2f}",
-                ha="center",
-                va="top",
-                fontsize=8.0,
-            )
-        foot = "left" if poses.stance[0] > 0.0 else "right"
+            time = f"{poses.t[k] - run.t[0]:.2f}"
+            ax.text(k * pitch, -0.07 * biped.leg_length, time, ha="center", va="top", fontsize=8.0)
+        foot = spans[0].stance.value
         reversal = f", reversal at {spans[0].end - run.t[0]:.2f} s" if len(spans) > 1 else ""
         ax.set_title(f"step {step + 1}: {foot} foot{reversal}; times in s", loc="left")
         ax.set_aspect("equal")
@@ -112,26 +113,21 @@ def phase_portrait(trajectory: Trajectory, ax: "Axes | None" = None) -> "Figure"
     spans = phase_spans(trajectory)
     beta, dbeta = trajectory.q[:, 0], trajectory.dq[:, 0]
     for span in spans:
-        label = ("rising" if span.rising else "falling") if span.step == spans[0].step else None
-        colour, style = (BLUE, "-") if span.rising else (VERMILION, "--")
+        label = span.phase.value if span.step == spans[0].step else None
+        colour, style = _LOOKS[span.phase]
         ax.plot(beta[span.samples], dbeta[span.samples], color=colour, linestyle=style, label=label)
     jumps = [
         (before.samples.stop - 1, after.samples.start) for before, after in pairwise(spans) if after.step != before.step
     ]
     for k, (i, j) in enumerate(jumps):
-        ax.annotate(
-            "",
-            xy=(beta[j], dbeta[j]),
-            xytext=(beta[i], dbeta[i]),
-            arrowprops=IMPACT_ARROW,
-        )
+        ax.annotate("", xy=(beta[j], dbeta[j]), xytext=(beta[i], dbeta[i]), arrowprops=IMPACT_ARROW)
         name = "impact" if k == 0 else None
         ax.plot(beta[[i, j]], dbeta[[i, j]], "s", color=BLACK, markersize=4.5, linestyle="none", label=name)
-    turns = [span.samples.start for span in spans if not span.rising]
+    turns = [span.samples.start for span in spans if span.phase is StepPhase.FALLING]
     if turns:
         ax.plot(beta[turns], dbeta[turns], "o", color=GREEN, markersize=6, linestyle="none", label="reversal")
     ax.axhline(0.0, color=BLACK, linewidth=0.8)
-    ax.set_xlabel(r"stance ankle angle $\beta$ [rad]")
+    ax.set_xlabel(BETA_LABEL)
     ax.set_ylabel(r"$\dot\beta$ [rad/s]")
     ax.margins(0.06)
     legend_above(ax, 2)
@@ -151,26 +147,26 @@ def energy(biped: FrontalBiped, gait: Gait) -> "Figure":
     """
     step = gait.step(biped)
     phases = (
-        ("rising", resample_orbit(biped, gait.rising, step.rising, _TAU), BLUE, "-"),
-        ("falling", resample_orbit(biped, gait.falling, step.falling, _TAU), VERMILION, "--"),
+        (StepPhase.RISING, resample_orbit(biped, gait.rising, step.rising, _TAU)),
+        (StepPhase.FALLING, resample_orbit(biped, gait.falling, step.falling, _TAU)),
     )
-    figure = new_figure("energy", 4.4)
-    upper, lower = figure.subplots(2, 1, sharex=True)
-    for name, orbit, colour, style in phases:
+    figure, (upper, lower) = panels("energy", 2, 4.4)
+    for phase, orbit in phases:
+        colour, style = _LOOKS[phase]
         for ax, values in ((upper, orbit.zeta), (lower, orbit.V_Z)):
-            ax.plot(orbit.beta, values, color=colour, linestyle=style, label=name)
+            ax.plot(orbit.beta, values, color=colour, linestyle=style, label=phase.value)
             ax.plot(orbit.beta[-1], values[-1], "s", color=BLACK, markersize=5)
             ax.plot(orbit.beta[0], values[0], "o", color=GREEN, markersize=6)
-    (_, rising, *_), (_, falling, *_) = phases
+    (_, rising), (_, falling) = phases
     upper.annotate(
         "", xy=(rising.beta[-1], rising.zeta[-1]), xytext=(falling.beta[-1], falling.zeta[-1]), arrowprops=IMPACT_ARROW
     )
     upper.plot([], [], "s", color=BLACK, markersize=5, linestyle="none", label="impact")
     upper.plot([], [], "o", color=GREEN, markersize=6, linestyle="none", label="reversal")
     lower.axhline(0.0, color=BLACK, linewidth=0.8)
-    upper.set_ylabel(r"$\zeta=\sigma_{\mathrm{FRI}}^2/2$" + "\n" + r"[kg$^2$ m$^4$/s$^2$]")
+    upper.set_ylabel(ZETA_LABEL)
     lower.set_ylabel(r"$V_Z$ of the phase" + "\n" + r"[kg$^2$ m$^4$/s$^2$]")
-    lower.set_xlabel(r"stance ankle angle $\beta$ [rad]")
+    lower.set_xlabel(BETA_LABEL)
     legend_above(upper, 2)
     figure.align_ylabels([upper, lower])
     return figure
@@ -197,7 +193,7 @@ def _stick_figure(ax: "Axes", biped: FrontalBiped, poses: Trajectory, k: int, sh
 
     joints = biped.joint_positions(q)
     left, right = (BLUE, "-"), (VERMILION, (0, (3, 1.2)))
-    stance_leg, swing_leg = (left, right) if side > 0.0 else (right, left)
+    stance_leg, swing_leg = (left, right) if Stance.of_sign(side) is Stance.LEFT else (right, left)
     draw(joints[[0, 1]], stance_leg[0], stance_leg[1], 2.4)  # type: ignore[arg-type]
     draw(joints[[3, 2]], swing_leg[0], swing_leg[1], 2.4)  # type: ignore[arg-type]
     draw(joints[[1, 2]], BLACK, "-", 3.0)

@@ -13,9 +13,9 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import MissingExtraError
-from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.simulation.world import phase_spans
+from frontal_biped.virtual_constraints.phase import StepPhase
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,7 +36,6 @@ BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, BLACK = (
 )
 PALE = "#8FC1E6"
 """Of a wide line that another is drawn over; light in greyscale too."""
-JOINTS = ("stance ankle", "stance hip", "swing hip", "swing ankle")
 JOINT_STYLES = ((BLUE, "-"), (VERMILION, "--"), (GREEN, "-."), (PURPLE, ":"))
 
 _STYLE: Any = {
@@ -89,7 +88,7 @@ def new_figure(name: str, height: float, width: float = COLUMN) -> "Figure":
 
 
 def panels(name: str, rows: int, height: float) -> tuple["Figure", list["Axes"]]:
-    """A figure of panels on top of each other with one time axis."""
+    """A figure of panels on top of each other with one horizontal axis."""
     figure = new_figure(name, height)
     axes = figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
     return figure, list(axes)
@@ -112,17 +111,15 @@ def shade_phases(axes: Sequence["Axes"], trajectory: Trajectory) -> None:
     for span in spans:
         left, right = span.start - start, span.end - start
         for ax in axes:
-            if span.rising:
+            if span.phase is StepPhase.RISING:
                 ax.axvspan(left, right, color="#E3ECF6", linewidth=0.0, zorder=0)
-            if span.rising and span.step > spans[0].step:
-                ax.axvline(left, color=BLACK, linewidth=0.8, zorder=1)
+                if span.step > spans[0].step:
+                    ax.axvline(left, color=BLACK, linewidth=0.8, zorder=1)
         if len(spans) <= 4:
-            foot = "left" if span.stance is Stance.LEFT else "right"
-            word = "rising" if span.rising else "falling"
             axes[0].text(
                 0.5 * (left + right),
                 1.02,
-                f"{word}\n{foot} foot",
+                f"{span.phase.value}\n{span.stance.value} foot",
                 transform=axes[0].get_xaxis_transform(),
                 ha="center",
                 va="bottom",
@@ -143,6 +140,9 @@ def by_phase(trajectory: Trajectory, values: FloatArray) -> tuple[FloatArray, Fl
         pieces += [values[span.samples], np.full((1, *values.shape[1:]), np.nan)]
     return np.concatenate(t), np.concatenate(pieces)
 
+
+BETA_LABEL = r"stance ankle angle $\beta$ [rad]"
+ZETA_LABEL = r"$\zeta=\sigma_{\mathrm{FRI}}^2/2$" + "\n" + r"[kg$^2$ m$^4$/s$^2$]"
 
 PHASE_LABELS = 0.34
 """Height of the two lines that `shade_phases` writes above its first panel [in]."""

@@ -10,7 +10,6 @@ from frontal_biped.figures.style import (
     BLUE,
     GREEN,
     JOINT_STYLES,
-    JOINTS,
     ORANGE,
     PALE,
     PHASE_LABELS,
@@ -23,9 +22,11 @@ from frontal_biped.figures.style import (
     styled,
 )
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.chain import JOINTS
 from frontal_biped.simulation.orbit import ORBIT
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.simulation.world import phase_spans
+from frontal_biped.virtual_constraints.phase import StepPhase
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -191,7 +192,7 @@ def clearance_profile(trajectory: Trajectory) -> FloatArray:
     profile = np.empty_like(trajectory.t)
     for span in phase_spans(trajectory):
         beta = trajectory.q[span.samples, 0]
-        impact, reversal = (beta[0], beta[-1]) if span.rising else (beta[-1], beta[0])
+        impact, reversal = (beta[0], beta[-1]) if span.phase is StepPhase.RISING else (beta[-1], beta[0])
         reach = reversal - impact
         profile[span.samples] = (beta - impact) / reach if reach != 0.0 else 0.0
     return np.clip(profile, 0.0, 1.0)

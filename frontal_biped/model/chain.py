@@ -17,6 +17,9 @@ from frontal_biped.arrays import FloatArray
 UPRIGHT = -0.5 * np.pi
 GRAVITY = 9.81  # [m/s^2]
 
+JOINTS = ("stance ankle", "stance hip", "swing hip", "swing ankle")
+"""The chain's joints in words, q1 to q4."""
+
 
 class PlanarBody(NamedTuple):
     """Mass properties of one link in the frontal plane.

@@ -8,13 +8,16 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.chain import JOINTS
+from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.trajectory import Trajectory
-from frontal_biped.simulation.world import drawable, resample, stance_of
+from frontal_biped.simulation.world import drawable, resample
+from frontal_biped.virtual_constraints.phase import StepPhase
 
 COORDINATES = ("urdf", "stance", "both")
 """URDF joints by name; the paper's stance coordinates; or both."""
 
-_CHAIN = ("stance_ankle", "stance_hip", "swing_hip", "swing_ankle")
+_CHAIN = tuple(name.replace(" ", "_") for name in JOINTS)
 
 
 def run_table(
@@ -43,8 +46,8 @@ def run_table(
     columns: dict[str, list[Any]] = {
         "time [s]": run.t.tolist(),
         "step [-]": (run.step.astype(int) + 1).tolist(),
-        "stance [left/right]": [stance_of(sign).value for sign in run.stance],
-        "phase [rising/falling]": ["rising" if phase > 0.0 else "falling" for phase in run.phase],
+        "stance [left/right]": [Stance.of_sign(sign).value for sign in run.stance],
+        "phase [rising/falling]": [StepPhase.of_sign(sign).value for sign in run.phase],
     }
     if coordinates != "stance":
         columns |= _urdf_columns(biped, run)
@@ -70,7 +73,7 @@ def _urdf_columns(biped: FrontalBiped, run: Trajectory) -> dict[str, list[float]
     chart = biped.stance_map
 
     def mapped(convert: Any, values: FloatArray) -> FloatArray:
-        return np.array([convert(row, stance_of(sign)) for row, sign in zip(values, run.stance, strict=True)])
+        return np.array([convert(row, Stance.of_sign(sign)) for row, sign in zip(values, run.stance, strict=True)])
 
     table: dict[str, list[float]] = {}
     wanted = np.concatenate([run.q[:, :1], run.q_b_desired], axis=1)

@@ -18,6 +18,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.virtual_constraints.phase import StepPhase
 
 FEET = (Stance.LEFT, Stance.RIGHT)
 _ANKLE = {Stance.LEFT: 0, Stance.RIGHT: 3}  # index in StanceMap.joint_names
@@ -32,7 +33,7 @@ class PhaseSpan(NamedTuple):
     Attributes:
         start: its time [s].
         end: [s].
-        rising: rising or falling.
+        phase: rising or falling.
         stance: the foot that stands.
         step: index of the step.
         samples: the samples of the trajectory it owns.
@@ -40,7 +41,7 @@ class PhaseSpan(NamedTuple):
 
     start: float
     end: float
-    rising: bool
+    phase: StepPhase
     stance: Stance
     step: int
     samples: slice
@@ -67,11 +68,6 @@ class WorldMotion:
     stance: FloatArray
 
 
-def stance_of(sign: float) -> Stance:
-    """The stance foot of a trajectory's sign: +1 left, -1 right."""
-    return Stance.LEFT if sign > 0.0 else Stance.RIGHT
-
-
 def phase_spans(trajectory: Trajectory) -> list[PhaseSpan]:
     """The phases of a run in the order of time."""
     changes = (np.diff(trajectory.phase) != 0.0) | (np.diff(trajectory.step) != 0.0)
@@ -81,8 +77,8 @@ def phase_spans(trajectory: Trajectory) -> list[PhaseSpan]:
         PhaseSpan(
             float(trajectory.t[i]),
             float(trajectory.t[j - 1]),
-            bool(trajectory.phase[i] > 0.0),
-            stance_of(trajectory.stance[i]),
+            StepPhase.of_sign(trajectory.phase[i]),
+            Stance.of_sign(trajectory.stance[i]),
             int(trajectory.step[i]),
             slice(i, j),
         )
@@ -168,7 +164,7 @@ def world_configurations(biped: FrontalBiped, trajectory: Trajectory) -> FloatAr
 
     configurations = np.tile(reference, (len(trajectory.t), 1))
     for row, q, sign, y in zip(configurations, trajectory.q, trajectory.stance, trajectory.stance_y, strict=True):
-        foot = stance_of(sign)
+        foot = Stance.of_sign(sign)
         row[address] = chart.positions_to_urdf(q, foot)
         pin.forwardKinematics(model, data, row)
         wanted = ankle_at_reference[foot].copy()

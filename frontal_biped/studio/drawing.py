@@ -14,12 +14,14 @@ import pinocchio as pin
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import UPRIGHT
+from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.urdf.shapes import IntArray
 from frontal_biped.simulation.pushes import Push
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.viewer.markers import COM, CONTACT, draw_markers
 from frontal_biped.viewer.page import recording
 from frontal_biped.viewer.scene import FIRST, Actor, animate, draw_scene, frontal_camera
+from frontal_biped.virtual_constraints.phase import StepPhase
 
 FPS = 30.0
 
@@ -127,8 +129,8 @@ def clip_of(biped: FrontalBiped, run: Trajectory, push: Push | None = None) -> C
     times = float(run.t[0]) + np.arange(frames) / FPS
     at = np.clip(np.searchsorted(run.t, times, side="right") - 1, 0, len(run.t) - 1)
     phase = [
-        f"{time - run.t[0]:.2f} s, step {int(run.step[i]) + 1}, {'rising' if run.phase[i] > 0 else 'falling'}"
-        f" on the {'left' if run.stance[i] > 0 else 'right'} foot"
+        f"{time - run.t[0]:.2f} s, step {int(run.step[i]) + 1}, {StepPhase.of_sign(run.phase[i]).value}"
+        f" on the {Stance.of_sign(run.stance[i]).value} foot"
         for time, i in zip(times, at, strict=True)
     ]
     root = tracks[f"robot/{biped.spatial_model.names[1]}"].position

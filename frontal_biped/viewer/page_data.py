@@ -9,6 +9,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.chain import JOINTS
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.simulation.world import phase_spans
 from frontal_biped.viewer.markers import swing_traces
@@ -16,8 +17,6 @@ from frontal_biped.viewer.scene import GHOST, SECOND, Actor, frontal_camera
 
 MOST_SAMPLES = 4000
 """Of one run in the plots; a longer one is thinned evenly within its phases."""
-
-_JOINTS = ("stance ankle", "stance hip", "swing hip", "swing ankle")
 
 
 def _panel(key: str, title: str, label: str, lines: Sequence[tuple[str, ...]], **more: str) -> dict[str, Any]:
@@ -31,16 +30,16 @@ PANELS: tuple[dict[str, Any], ...] = (
         "angles",
         "Joint angles",
         "angle [rad]",
-        [(name, f"q{i + 1}", *([f"d{i + 1}"] if i else [])) for i, name in enumerate(_JOINTS)],
+        [(name, f"q{i + 1}", *([f"d{i + 1}"] if i else [])) for i, name in enumerate(JOINTS)],
     ),
     _panel("fri", "FRI and sole", "p_FRI [mm]", [("from the ankle", "fri", "fri_target")]),
-    _panel("torques", "Torques", "torque [N m]", [(name, f"u{i + 1}") for i, name in enumerate(_JOINTS)]),
+    _panel("torques", "Torques", "torque [N m]", [(name, f"u{i + 1}") for i, name in enumerate(JOINTS)]),
     _panel("portrait", "Phase portrait", "dβ/dt [rad/s]", [("stance ankle", "v1")], x="q1", xlabel="β = q1 [rad]"),
     _panel("force", "Ground reaction", "force [N]", [("vertical F_v", "fv"), ("horizontal F_h", "fh")]),
     _panel("foot", "Swing foot", "height [mm]", [("inner end", "inner"), ("outer end", "outer")]),
     _panel("roll", "Pelvis roll", "roll [degrees]", [("pelvis", "roll")]),
-    _panel("error", "Tracking error", "q_b − h_d [mrad]", [(name, f"e{i + 2}") for i, name in enumerate(_JOINTS[1:])]),
-    _panel("speeds", "Joint velocities", "velocity [rad/s]", [(name, f"v{i + 1}") for i, name in enumerate(_JOINTS)]),
+    _panel("error", "Tracking error", "q_b − h_d [mrad]", [(name, f"e{i + 2}") for i, name in enumerate(JOINTS[1:])]),
+    _panel("speeds", "Joint velocities", "velocity [rad/s]", [(name, f"v{i + 1}") for i, name in enumerate(JOINTS)]),
 )
 """What a plot of the page can show; the first four are shown first."""
 
@@ -80,7 +79,7 @@ def _run(actor: Actor, plots: bool) -> dict[str, Any]:
                 "start": span.start - start,
                 "step": span.step + 1,
                 "stance": span.stance.value,
-                "phase": "rising" if span.rising else "falling",
+                "phase": span.phase.value,
             }
             for span in spans
         ],
@@ -105,7 +104,7 @@ def _events(run: Trajectory) -> list[dict[str, Any]]:
     }
     spans = phase_spans(run)
     for before, after in pairwise(spans):
-        kind = "impact" if after.step != before.step else "reversal" if before.rising and not after.rising else ""
+        kind = "impact" if after.step != before.step else "reversal" if before.phase.sign > after.phase.sign else ""
         time = after.start - start
         if kind and not any(kind == known and abs(time - t) < 2e-2 for t, known in found):
             found.add((round(time, 6), kind))

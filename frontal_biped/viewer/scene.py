@@ -12,8 +12,9 @@ import numpy as np
 import pinocchio as pin
 
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.trajectory import Trajectory
-from frontal_biped.simulation.world import FEET, WorldMotion, drawable, frame_times, resample, stance_of, world_motion
+from frontal_biped.simulation.world import FEET, WorldMotion, drawable, frame_times, resample, world_motion
 from frontal_biped.viewer.markers import COM, CONTACT, draw_markers, draw_traces, swing_traces
 from frontal_biped.viewer.placements import at, from_y_axis
 from frontal_biped.viewer.robot_shapes import Colour, draw_robot
@@ -228,7 +229,7 @@ def _animate_markers(
     _track(plumb, "scale", "vector3", frames, [[1.0, 1.0, float(z)] for z in motion.com[:, 2]])
     weights = np.linalg.norm(motion.force, axis=1) / biped.weight
     for foot in FEET:
-        standing = np.array([stance_of(sign) is foot for sign in motion.stance])
+        standing = np.array([Stance.of_sign(sign) is foot for sign in motion.stance])
         shown = _hold(standing)  # where the foot swings, its hidden marker waits at its last place
         contact = _clip(animation, place[CONTACT][foot.value], fps)
         _track(contact, "visible", "bool", frames, standing.tolist())
