@@ -26,7 +26,7 @@ from frontal_biped.analysis.push_recovery import (
 )
 from frontal_biped.analysis.return_map import Basin, RestrictedMap
 from frontal_biped.control.stabilisers.by_name import STABILISERS, make_stabiliser
-from frontal_biped.control.stabilisers.transitions import AdaptiveTransitions
+from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.walking import simulate
@@ -36,6 +36,9 @@ SAMPLES = 13
 """Speeds at which a map is sampled, over the interval that returns and a little more."""
 
 SPEED_RESOLUTION = 0.005
+
+COMPARED = tuple(name for name in STABILISERS if name != "re-anchored")
+"""Stabilisers of a card: "adaptive" is re-anchoring at its best, and plain re-anchoring is in the laws."""
 
 
 class MapSummary(NamedTuple):
@@ -62,7 +65,8 @@ class RobustnessCard:
         basins: interval of post-impact speeds that return, by stabiliser.
         sensitivity_norm: by stabiliser, sqrt(sum over steps of (error_k / error_0)^2) of the linearised map: the gait
             sensitivity norm with the post-impact speed as both disturbance and indicator [-].
-        barrier_margin: energy that may be added after the impact before the robot tips outwards, over its own [-].
+        barrier_margin: energy that may be added after the impact before the robot tips outwards, over its own, on the
+            planned rising phase as `ReanchoringTransitions` continues it [-].
         sampled_maps: (speed, next speed) over the interval that returns, by stabiliser; nan where there is no step or
             it breaks a limit.
         push_stabiliser: with which the pushes were walked.
@@ -117,7 +121,7 @@ def robustness_card(
     biped: FrontalBiped,
     gait: Gait,
     *,
-    stabilisers: Sequence[str] = tuple(STABILISERS),
+    stabilisers: Sequence[str] = COMPARED,
     push_stabiliser: str = "ankle",
     instants: Sequence[tuple[str, float]] = INSTANTS,
     push_resolution: float = PUSH_RESOLUTION,
@@ -160,7 +164,7 @@ def robustness_card(
         if isinstance(found, MapSummary):
             maps[name] = found
         basins[name] = found.basin if isinstance(found, MapSummary) else found
-    energy = rising_energy(biped, AdaptiveTransitions(biped, gait).planned_rising)
+    energy = rising_energy(biped, ReanchoringTransitions(biped, gait).planned_rising)
     own = 0.5 * (energy.start_inertia * gait.orbit.beta_dot_after_impact) ** 2
     return RobustnessCard(
         gait_multiplier=gait.orbit.multiplier,

@@ -3,7 +3,7 @@
 from frontal_biped.control.controller import Command, QpController
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers.by_name import STABILISERS, make_stabiliser
-from frontal_biped.control.stabilisers.transitions import AdaptiveTransitions, FixedTransitions, Stabiliser
+from frontal_biped.control.stabilisers.transitions import FixedTransitions, ReanchoringTransitions, Stabiliser
 from frontal_biped.control.torques.limits import ContactLimits, JointLimits
 from frontal_biped.control.torques.linearisation import Targets
 from frontal_biped.control.torques.torque_program import Source
@@ -11,13 +11,13 @@ from frontal_biped.control.torques.walking_qp import WalkingQp
 
 __all__ = [
     "STABILISERS",
-    "AdaptiveTransitions",
     "Command",
     "ContactLimits",
     "ControllerSettings",
     "FixedTransitions",
     "JointLimits",
     "QpController",
+    "ReanchoringTransitions",
     "Source",
     "Stabiliser",
     "Targets",

@@ -8,7 +8,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.settings import ControllerSettings
-from frontal_biped.control.stabilisers.transitions import AdaptiveTransitions, FixedTransitions, Stabiliser
+from frontal_biped.control.stabilisers.transitions import FixedTransitions, ReanchoringTransitions, Stabiliser
 from frontal_biped.control.torques.linearisation import Targets
 from frontal_biped.control.torques.lyapunov import LyapunovFunction, least_acceleration
 from frontal_biped.control.torques.torque_program import Source, TorqueProgram
@@ -73,7 +73,7 @@ class QpController:
     Attributes:
         lyapunov: the control Lyapunov function, or None.
         counts: commands given, by their source.
-        declined: phases for which the stabiliser had no answer, walked as `AdaptiveTransitions` would.
+        declined: phases for which the stabiliser had no answer, walked as `ReanchoringTransitions` would.
     """
 
     def __init__(
@@ -96,7 +96,7 @@ class QpController:
         self.declined = 0
         self._last: Command | None = None
         self.stabiliser: Stabiliser = FixedTransitions(gait) if stabiliser is None else stabiliser
-        self._fallback = AdaptiveTransitions(biped, gait)
+        self._fallback = ReanchoringTransitions(biped, gait)
         self._phases = {StepPhase.RISING: gait.rising, StepPhase.FALLING: gait.falling}
 
     @property

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.stabilisers.transitions import AdaptiveTransitions
+from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.figures.style import (
     BETA_LABEL,
@@ -54,7 +54,7 @@ def energy_barrier(
 
     With delta^2 = e^Gamma, zeta = delta^2 zeta+ - V_Z ([O] eq. soledo): a robot that leaves the impact with the energy
     zeta+ reverses where the hill V_Z / delta^2 is that high, and tips over if no place is. The rising phase is
-    continued past its end as `AdaptiveTransitions` does, up to the top: there the centre of mass is over the FRI.
+    continued past its end as `ReanchoringTransitions` does, up to the top: there the centre of mass is over the FRI.
     A stabiliser that moves the FRI raises the hill; this is the one without.
 
     Args:
@@ -66,7 +66,7 @@ def energy_barrier(
     Returns:
         Two panels over beta [rad]: the hill with the levels zeta+, and zeta of the orbits [kg^2 m^4/s^2].
     """
-    transitions = AdaptiveTransitions(biped, gait)
+    transitions = ReanchoringTransitions(biped, gait)
     phase = transitions.planned_rising
     energy = rising_energy(biped, phase)
     beta = np.linspace(phase.beta_start, energy.end, _POINTS)
@@ -161,7 +161,7 @@ def _tipping(
 
 
 def _fall(
-    biped: FrontalBiped, transitions: AdaptiveTransitions, rising: object, reversal: float
+    biped: FrontalBiped, transitions: ReanchoringTransitions, rising: object, reversal: float
 ) -> tuple[FloatArray, FloatArray] | None:
     """Beta and zeta of the falling phase from a reversal; None where it does not reach its end."""
     try:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from frontal_biped.analysis.return_map import RestrictedMap
-from frontal_biped.control import AdaptiveTransitions, make_stabiliser
+from frontal_biped.control import ReanchoringTransitions, make_stabiliser
 from frontal_biped.control.stabilisers.ankle_law import AnkleLaw
 from frontal_biped.control.stabilisers.step_law import StepLaw, StepRule
 from frontal_biped.exceptions import ReversalError
@@ -24,7 +24,7 @@ SETTINGS = SimulationSettings(rtol=1e-9, atol=1e-11)
 
 
 def adaptive(biped, gait):
-    return RestrictedMap(biped, gait, AdaptiveTransitions(biped, gait))
+    return RestrictedMap(biped, gait, ReanchoringTransitions(biped, gait))
 
 
 @pytest.fixture(params=["level", pytest.param("reference", marks=pytest.mark.slow), "robust"])
@@ -36,7 +36,7 @@ def test_energy_along_the_rising_phase_is_the_orbits(biped, gait):
     """Integrated forwards from the impact on panels, and backwards from the reversal by quadrature: one zeta."""
     nodes = converged_nodes(biped, gait.rising, gait.falling, gait.step_width)
     orbit = gait.step(biped, nodes).rising
-    energy = rising_energy(biped, AdaptiveTransitions(biped, gait).planned_rising)
+    energy = rising_energy(biped, ReanchoringTransitions(biped, gait).planned_rising)
     tau = np.linspace(0.05, 1.0, 9)
     expected = resample(biped, gait.rising, orbit, tau)
     zeta_plus = 0.5 * (energy.start_inertia * gait.orbit.beta_dot_after_impact) ** 2
@@ -195,7 +195,7 @@ def test_lqr_contracts_as_its_linear_map_says(biped, robust_gait):
     assert abs(closed_loop) < abs(a)
     assert a == pytest.approx(robust_gait.orbit.multiplier, rel=1e-2)
     restricted = RestrictedMap(biped, robust_gait, law)
-    energy = rising_energy(biped, AdaptiveTransitions(biped, robust_gait).planned_rising)
+    energy = rising_energy(biped, ReanchoringTransitions(biped, robust_gait).planned_rising)
     shift = 1e-3 * robust_gait.rising.range
     start = restricted.start(energy.speed(robust_gait.beta_reversal + shift) / robust_gait.orbit.beta_dot_after_impact)
     following = restricted.step(restricted.step(start).landed).reversal - robust_gait.beta_reversal

@@ -99,7 +99,7 @@ def test_it_can_be_repeated_into_the_same_folder_and_keeps_other_files(folder, m
 
 
 def test_robustness_is_reported(report, folder):
-    assert {run["stabiliser"] for run in report["sensitivity"]["runs"]} == {"fixed", "adaptive"}
+    assert {run["stabiliser"] for run in report["sensitivity"]["runs"]} == {"fixed", "re-anchored"}
     card = report["robustness"]["robust"]
     assert card["basins"]["ankle"]["low"] <= 0.4
     assert card["basins"]["ankle"]["high"] >= 1.8

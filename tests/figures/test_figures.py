@@ -187,7 +187,7 @@ def test_robustness_figures_are_labelled():
 
     runs = [
         LossOfInvariance(name, shift, shift, 10.0 * shift**2 if name == "fixed" else 1e-9, "completed")
-        for name in ("fixed", "adaptive")
+        for name in ("fixed", "re-anchored")
         for shift in (-1e-3, -1e-5, 1e-5, 1e-3)
     ]
     drawn = sensitivity(runs)
@@ -214,11 +214,11 @@ def test_robustness_figures_are_labelled():
 
 def test_barrier_figure_agrees_with_the_simulated_walk(biped, gait, walk):
     """Every step of the walk leaves the impact with the energy that the hill has at its reversal: two routes."""
-    from frontal_biped.control.stabilisers.transitions import AdaptiveTransitions
+    from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
     from frontal_biped.figures.barrier import energy_barrier, run_levels
     from frontal_biped.zero_dynamics.half_steps import rising_energy
 
-    energy = rising_energy(biped, AdaptiveTransitions(biped, gait).planned_rising)
+    energy = rising_energy(biped, ReanchoringTransitions(biped, gait).planned_rising)
     places, levels = run_levels(biped, walk)
     assert len(places) == walk.steps_completed
     # the walk's post-impact states are within 1e-7 of the gait's; the hill is some 1e4 steep

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.stabilisers.transitions import AdaptiveTransitions, Stabiliser
+from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions, Stabiliser
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
@@ -45,7 +45,7 @@ class AnkleLaw:
     Attributes:
         biped: the robot.
         gait: the gait.
-        inner: whose phases are shifted; default: `AdaptiveTransitions` that leaves the stretching to this law.
+        inner: whose phases are shifted; default: `ReanchoringTransitions` that leaves the stretching to this law.
         margin: distance from the ends of the sole [m].
         in_falling: act in the falling phase as well?
     """
@@ -58,12 +58,12 @@ class AnkleLaw:
 
     def __post_init__(self) -> None:
         if self.inner is None:
-            object.__setattr__(self, "inner", AdaptiveTransitions(self.biped, self.gait, anticipate=False))
+            object.__setattr__(self, "inner", ReanchoringTransitions(self.biped, self.gait, anticipate=False))
 
     @property
     def name(self) -> str:
         """For reports."""
-        return "ankle" if self.inner.name == "adaptive" else f"ankle + {self.inner.name}"
+        return "ankle" if self.inner.name == "re-anchored" else f"ankle + {self.inner.name}"
 
     def rising(self, landed: Landed) -> Phase:
         """The inner phase, shifted so that the robot reverses at its planned end.

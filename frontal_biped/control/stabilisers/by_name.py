@@ -5,20 +5,21 @@ from collections.abc import Callable
 from frontal_biped.control.stabilisers.ankle_law import AnkleLaw
 from frontal_biped.control.stabilisers.look_ahead import LookAheadTransitions
 from frontal_biped.control.stabilisers.step_law import StepLaw, StepRule
-from frontal_biped.control.stabilisers.transitions import FixedTransitions, Stabiliser
+from frontal_biped.control.stabilisers.transitions import FixedTransitions, ReanchoringTransitions, Stabiliser
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 
 STABILISERS: dict[str, Callable[[FrontalBiped, Gait], Stabiliser]] = {
     "fixed": lambda biped, gait: FixedTransitions(gait),
+    "re-anchored": lambda biped, gait: ReanchoringTransitions(biped, gait, anticipate=False),
     "adaptive": LookAheadTransitions,
     "ankle": AnkleLaw,
     "step": StepLaw,
     "step-lqr": lambda biped, gait: StepLaw(biped, gait, rule=StepRule.LQR),
     "ankle+step": lambda biped, gait: StepLaw(biped, gait, ankle=AnkleLaw(biped, gait)),
 }
-"""The paper's transitions, reversal-adaptive ones alone, and each law on top of those."""
+"""The paper's transitions; plain re-anchoring; re-anchoring that looks ahead; and each law on top of re-anchoring."""
 
 
 def make_stabiliser(name: str, biped: FrontalBiped, gait: Gait) -> Stabiliser:

@@ -1,6 +1,6 @@
 r"""Re-anchoring that looks ahead: of the ways to re-anchor a phase, the one whose step the contact can carry.
 
-`AdaptiveTransitions` re-anchors to any state, but far from the gait what it asks for overloads the robot: the joints
+`ReanchoringTransitions` re-anchors to any state, but far from the gait what it asks for overloads the robot: the joints
 brake within 0.1 rad where a reversal is late, I_P nearly vanishes where an early falling phase must rejoin its path.
 The same end poses can be reached more gently:
 
@@ -22,7 +22,7 @@ from functools import cached_property
 
 import numpy as np
 
-from frontal_biped.control.stabilisers.transitions import AS_PLANNED, AdaptiveTransitions
+from frontal_biped.control.stabilisers.transitions import AS_PLANNED, ReanchoringTransitions
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.margins import ContactMargins, Margin
@@ -82,7 +82,7 @@ NOWHERE = Outlook(-np.inf, -np.inf)
 
 @dataclass(frozen=True)
 class LookAheadTransitions:
-    """Reversal-adaptive transitions within the limits of the contact.
+    """Reversal-adaptive transitions within the limits of the contact: the stabiliser "adaptive", default of `simulate`.
 
     Attributes:
         biped: the robot.
@@ -95,9 +95,9 @@ class LookAheadTransitions:
     name = "adaptive"
 
     @cached_property
-    def plain(self) -> AdaptiveTransitions:
+    def plain(self) -> ReanchoringTransitions:
         """Re-anchoring as it comes."""
-        return AdaptiveTransitions(self.biped, self.gait, anticipate=False)
+        return ReanchoringTransitions(self.biped, self.gait, anticipate=False)
 
     # ------------------------------------------------------------------ what a stabiliser answers
     def rising(self, landed: Landed) -> Phase:

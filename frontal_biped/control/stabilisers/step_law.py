@@ -18,7 +18,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from frontal_biped.control.stabilisers.ankle_law import AnkleLaw
-from frontal_biped.control.stabilisers.transitions import AdaptiveTransitions
+from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
@@ -85,16 +85,16 @@ class StepLaw:
         return f"step ({self.rule.value})" if self.ankle is None else f"ankle + step ({self.rule.value})"
 
     @cached_property
-    def _adaptive(self) -> AdaptiveTransitions:
-        return AdaptiveTransitions(self.biped, self.gait)
+    def _reanchored(self) -> ReanchoringTransitions:
+        return ReanchoringTransitions(self.biped, self.gait)
 
     @cached_property
-    def _unstretched(self) -> AdaptiveTransitions:
-        return AdaptiveTransitions(self.biped, self.gait, anticipate=False)
+    def _unstretched(self) -> ReanchoringTransitions:
+        return ReanchoringTransitions(self.biped, self.gait, anticipate=False)
 
     def rising(self, landed: Landed) -> Phase:
         """The anchored rising phase, shifted by the ankle law if there is one."""
-        return (self.ankle or self._adaptive).rising(landed)
+        return (self.ankle or self._reanchored).rising(landed)
 
     def falling(self, rising: Phase, reversal: float) -> Phase:
         """The falling phase to the width that the rule asks for."""
@@ -126,9 +126,9 @@ class StepLaw:
             UnreachablePoseError: the feet cannot stand so far apart.
         """
         if abs(width - self.gait.step_width) <= WIDTH_ACCURACY:
-            return self._adaptive.falling(rising, reversal)
+            return self._reanchored.falling(rising, reversal)
         pose = self.final_pose(width)
-        return self._adaptive.falling_to(rising, reversal, float(pose[0]), pose[1:])
+        return self._reanchored.falling_to(rising, reversal, float(pose[0]), pose[1:])
 
     def final_pose(self, width: float) -> "np.ndarray":
         """(4,) pose of a landing of the given width, from which the next step starts at the gait's beta_r+ [rad]."""
@@ -201,7 +201,7 @@ class StepLaw:
     @cached_property
     def linear_map(self) -> tuple[float, float]:
         """a and b of x+ = a x + b u at the gait: reversal error [rad] and width error [m]; central differences."""
-        rising, planned, width = self._adaptive.planned_rising, self.gait.beta_reversal, self.gait.step_width
+        rising, planned, width = self._reanchored.planned_rising, self.gait.beta_reversal, self.gait.step_width
 
         def following(reversal: float, chosen: float) -> float:
             falling = self.to_width(rising, reversal, chosen)

@@ -86,8 +86,11 @@ class FixedTransitions:
 
 
 @dataclass(frozen=True)
-class AdaptiveTransitions:
-    """Reversal-adaptive hybrid invariance: each phase begins where the robot is (see `anchoring`).
+class ReanchoringTransitions:
+    """Re-anchoring as it comes: each phase begins where the robot is, whatever that asks of it (see `anchoring`).
+
+    The stabiliser "re-anchored" is this without anticipation. What `simulate` calls "adaptive" chooses among the ways
+    to re-anchor by what the contact can carry: `LookAheadTransitions`.
 
     Attributes:
         biped: the robot.
@@ -102,7 +105,11 @@ class AdaptiveTransitions:
     anticipate: bool = True
     rejoin: bool = True
 
-    name = "adaptive"
+    @property
+    def name(self) -> str:
+        """For reports."""
+        stretched, rescaled = ", stretched where fast" * self.anticipate, ", rescaled where early" * (not self.rejoin)
+        return f"re-anchored{stretched}{rescaled}"
 
     @cached_property
     def planned_rising(self) -> ContinuedPhase:

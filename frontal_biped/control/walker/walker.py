@@ -19,7 +19,7 @@ from frontal_biped.control.interface import PhaseEvent, Reading, WalkerCommand
 from frontal_biped.control.sampling import sampled_frequency
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers.by_name import make_stabiliser
-from frontal_biped.control.stabilisers.transitions import AdaptiveTransitions, Stabiliser
+from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions, Stabiliser
 from frontal_biped.control.walker.energy_law import EnergyLaw, EnergySettings
 from frontal_biped.control.walker.phase_machine import PhaseMachine, PhaseSettings
 from frontal_biped.control.walker.state_estimator import EstimatorSettings, StateEstimator
@@ -47,7 +47,7 @@ class Walker:
         settings: gains and limits; default: the gait's friction and normal force, the robot's own torque limits, and
             the gains of `sampled_frequency`.
         stabiliser: chooses the virtual constraints of each phase; an object or one of `STABILISERS` by name. Default:
-            adaptive transitions that leave the energy to the energy law, and rescale a falling phase that begins early.
+            re-anchored transitions that leave the energy to the energy law, and rescale an early falling phase.
         delay: known time from a reading to the torques it leads to [s], a multiple of the period.
         phases: when to believe in a landing or a reversal.
         estimator: what to trust of the readings.
@@ -81,7 +81,7 @@ class Walker:
             settings = replace(limits, max_torque=None, frequency=sampled_frequency(period))
         if stabiliser is None:
             alone = energy is None  # otherwise the energy law sees to the speed, and the transitions to the loads
-            stabiliser = AdaptiveTransitions(biped, gait, anticipate=alone, rejoin=alone)
+            stabiliser = ReanchoringTransitions(biped, gait, anticipate=alone, rejoin=alone)
         chosen = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
         self.controller = QpController(biped, gait, settings, chosen)
         self.phases = PhaseMachine(period, phases)

@@ -5,7 +5,7 @@ import pytest
 
 from frontal_biped.analysis.return_map import RestrictedMap
 from frontal_biped.control.interface import Reading
-from frontal_biped.control.stabilisers.transitions import AdaptiveTransitions
+from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
 from frontal_biped.control.walker.walker import Walker
 from frontal_biped.model.chain import UPRIGHT
 from frontal_biped.model.stance_map import Stance
@@ -110,7 +110,7 @@ def test_early_reversals_ask_less_of_a_robot_than_rejoining_its_path(biped, refe
     speed = 0.95
     least = {}
     for rejoin in (True, False):
-        transitions = AdaptiveTransitions(biped, reference_gait, anticipate=False, rejoin=rejoin)
+        transitions = ReanchoringTransitions(biped, reference_gait, anticipate=False, rejoin=rejoin)
         step = RestrictedMap(biped, reference_gait, transitions)
         least[rejoin] = step.step(step.start(speed)).tightest.value
     assert Walker(biped, reference_gait).controller.stabiliser.rejoin is False
