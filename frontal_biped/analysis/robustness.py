@@ -54,6 +54,12 @@ class MapSummary(NamedTuple):
     basin: Basin
     samples: tuple[tuple[float, float], ...]
 
+    @property
+    def sensitivity_norm(self) -> float:
+        """sqrt(sum over steps of (error_k / error_0)^2) of the map linearised on its steeper side [-]."""
+        steepest = max(map(abs, self.slope))
+        return float(1.0 / np.sqrt(1.0 - steepest**2)) if steepest < 1.0 else float("inf")
+
 
 @dataclass(frozen=True)
 class RobustnessCard:
@@ -170,7 +176,7 @@ def robustness_card(
         gait_multiplier=gait.orbit.multiplier,
         slopes={name: found.slope for name, found in maps.items()},
         basins=basins,
-        sensitivity_norm={name: _norm(max(map(abs, found.slope))) for name, found in maps.items()},
+        sensitivity_norm={name: found.sensitivity_norm for name, found in maps.items()},
         barrier_margin=energy.highest / own - 1.0,
         sampled_maps={name: found.samples for name, found in maps.items()},
         push_stabiliser=push_stabiliser,
@@ -206,10 +212,6 @@ def summarise_map(biped: FrontalBiped, gait: Gait, stabiliser: str, samples: int
     following = restricted.sample(speeds)
     pairs = tuple((float(a), float(b)) for a, b in zip(speeds, following, strict=True))
     return MapSummary(restricted.slope(), basin, pairs)
-
-
-def _norm(slope: float) -> float:
-    return float(1.0 / np.sqrt(1.0 - slope**2)) if slope < 1.0 else float("inf")
 
 
 def fixed_basin(biped: FrontalBiped, gait: Gait) -> Basin:
