@@ -4,9 +4,12 @@ A biped with its mass in the pelvis, legs and feet a share eps of it, joints hel
 on its ankles like a rigid A: published_numbers rows 6 and 7 (rimless wheel), 12 (Housner's block), 13 (LIP).
 """
 
+from math import comb
+
 import numpy as np
 import pytest
 from robot_files import write_robot
+from scipy.optimize import brentq
 
 from frontal_biped.model import load_robot
 from frontal_biped.virtual_constraints import Phase, double_support_pose
@@ -17,6 +20,8 @@ from frontal_biped.zero_dynamics.poincare import HybridZeroDynamics, step_orbit
 GRAVITY = 9.81
 CLOSED = 1e-9  # relative, where the closed form is exact up to the light legs
 HIPS = 0.2  # [m] between the hips
+ANKLE_ANGLES = (-0.5 * np.pi - 0.1, -0.5 * np.pi + 0.1)  # [rad] where the level pendulum is searched ...
+HIP_ANGLES = (-0.5 * np.pi - 0.3, -0.5 * np.pi + 0.3)  # [rad] ... and the pelvis angle that keeps it level
 
 
 def a_frame(folder, eps, leg=1.0, inertia=0.0, height=0.0):
@@ -135,10 +140,45 @@ def test_inverted_pendulum_in_the_limit_of_small_angles(tmp_path):
     assert np.max(errors[-1]) < 1e-3
 
 
-def test_published_orbit_of_the_inverted_pendulum():
-    """The numbers of row 13 from its own formulas: z = 0.9, T = 0.5, W = 0.2."""
-    omega = np.sqrt(GRAVITY / 0.9)
-    assert omega == pytest.approx(3.3015148, abs=1e-7)
-    assert -omega * 0.1 * np.tanh(0.25 * omega) == pytest.approx(-0.2238383, abs=1e-7)
-    assert 0.1 / np.cosh(0.25 * omega) == pytest.approx(0.0735074, abs=1e-7)
-    assert np.exp(0.5 * omega) == pytest.approx(5.2109, abs=1e-4)
+def level_pendulum(robot, height, swing_pose, start, end):
+    """Virtual constraints that keep the mass at a height while it moves over the ankle: the pelvis rolls for that.
+
+    Between two distances of the mass from the ankle [m]; returns the phase, whose reversal is at ``end``.
+    """
+
+    def pose(beta):
+        def off(hip):
+            return robot.com(np.array([beta, hip, *swing_pose]))[1] - height
+
+        return np.array([brentq(off, *HIP_ANGLES, xtol=1e-15), *swing_pose])
+
+    def beta_at(distance):
+        return brentq(lambda beta: robot.com(np.array([beta, *pose(beta)]))[0] - distance, *ANKLE_ANGLES, xtol=1e-15)
+
+    ends = beta_at(start), beta_at(end)
+    s = 0.5 - 0.5 * np.cos(np.pi * (np.arange(7) + 0.5) / 7)  # Chebyshev points of [0, 1]
+    joints = np.array([pose(beta) for beta in ends[0] + s * (ends[1] - ends[0])])
+    basis = np.array([[comb(6, k) * x**k * (1.0 - x) ** (6 - k) for k in range(7)] for x in s])
+    return Phase(*ends, np.linalg.solve(basis, joints).T, np.zeros(3))
+
+
+def test_published_orbit_of_the_inverted_pendulum(tmp_path):
+    """Row 13, its printed digits: z = 0.9, T = 0.5, W = 0.2; a mass that is kept at one height obeys it at any angle.
+
+    From the distance of the reversal, 0.0735074, follow the duration of half a step, the speed at its end, -0.2238383,
+    and the growth 5.2109 of x + v / omega over a step, each as good as the last digit printed.
+    """
+    leg = 0.9
+    robot = a_frame(tmp_path, 1e-11, leg=leg)
+    upright = double_support_pose(robot, -0.5 * np.pi, HIPS)
+    half, reversal, digit = 0.5 * HIPS, 0.0735074, 0.5e-7
+    phase = level_pendulum(robot, leg, upright[2:], half, reversal)
+    orbit = phase_orbit(robot, phase, +1, 24)
+    heights = np.array([robot.com(q)[1] for q in orbit.motion.q])
+    assert heights == pytest.approx(leg, abs=CLOSED)
+    omega = np.sqrt(GRAVITY / leg)
+    speed = float(robot.com_velocity(orbit.motion.q[-1], orbit.motion.dq[-1] * orbit.dbeta[-1])[0])
+    # v^2 = omega^2 (x^2 - x_min^2) and x_min = x / cosh(omega t): what half a digit of x_min makes of either
+    assert speed == pytest.approx(-0.2238383, abs=digit + digit * omega**2 * reversal / 0.2238383)
+    assert 2.0 * orbit.duration == pytest.approx(0.5, abs=2.0 * digit * omega * half / (reversal * 0.2238383))
+    assert (half - speed / omega) / (half + speed / omega) == pytest.approx(5.2109, abs=0.5e-4)

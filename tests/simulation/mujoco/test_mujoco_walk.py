@@ -12,7 +12,7 @@ from frontal_biped.model import load_robot
 from frontal_biped.model.perturbation import ModelErrors, Plant
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
-from frontal_biped.simulation import Disturbances, Push, load_trajectory, save_trajectory
+from frontal_biped.simulation import Disturbances, Push, SimulationSettings, load_trajectory, save_trajectory
 from frontal_biped.simulation.mujoco.model import BASE_JOINTS, ContactSettings
 from frontal_biped.simulation.mujoco.robot import MujocoRobot
 from frontal_biped.simulation.mujoco.walk import walk_in_mujoco
@@ -113,10 +113,23 @@ def test_uneven_ground_is_under_the_feet(biped, rough):
     assert first < second
 
 
-def test_walker_knows_the_delay(biped, rough):
-    run = walk(biped, rough, steps=4, disturbances=Disturbances(delay=0.003))
-    assert run.steps_completed == 4
-    assert float(np.abs(run.output_error).max()) < 0.05
+def test_walker_bridges_a_delay_that_it_knows_and_no_feedback_could_bear(biped, rough):
+    r"""Beyond the delay margin of its error dynamics: a walker that does not predict over it must fall.
+
+    With y'' = -w^2 y - 2 w y' commanded, the loop gain is one at x = (2 + \sqrt 5)^{1/2} times w, where the phase is
+    atan(2 x) short of the critical point: what is late by more than atan(2 x) / (x w), 6.5 ms at 100 rad/s, diverges.
+    """
+    delay = 0.010
+    informed, ignorant = Walker(biped, rough, delay=delay), Walker(biped, rough)
+    settings = informed.controller.settings
+    assert settings.damping == 1.0
+    crossing = np.sqrt(2.0 + np.sqrt(5.0))
+    assert delay > np.arctan(2.0 * crossing) / (crossing * settings.frequency)
+    late = SimulationSettings(steps=2, period=informed.period, disturbances=Disturbances(delay=delay))
+    run = walk_in_mujoco(biped, informed, *rough.state_after_impact(), late)
+    assert (run.outcome, run.steps_completed) == ("completed", 2)
+    assert step_times(run).mean() == pytest.approx(rough.orbit.step_duration, rel=0.02)  # bound of the cross-check
+    assert walk_in_mujoco(biped, ignorant, *rough.state_after_impact(), late).fell
 
 
 def test_physics_step_must_divide_the_period(biped, rough):
