@@ -20,7 +20,7 @@ class GaitSpecification:
         fri_degree: degree of the FRI polynomials, at least 1.
         friction: coefficient of friction [-] (C06, C07).
         min_normal_force: smallest normal force, as a fraction of the weight [-] (C06).
-        fri_margin: distance of the FRI from the ends of the sole [m] (C06).
+        fri_margin: distance of the FRI from the ends of the sole [m] (C06); the impact (C07) may use all of the sole.
         swing_clearance: height of both sole ends at the reversal [m]; towards lift-off and impact it falls with
             1 - t2, t2 = (beta_r- - beta)/(beta_r- - beta_impact) (C05).
         touchdown_speed: both sole ends descend at least this fast at impact [m/s] (C04).

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from frontal_biped.analysis.push_recovery import RECOVERED, speed_errors
 from frontal_biped.analysis.return_map import RestrictedMap
 from frontal_biped.control import ReanchoringTransitions, make_stabiliser
 from frontal_biped.control.stabilisers.ankle_law import AnkleLaw
@@ -116,7 +117,10 @@ def landed_speeds(biped, gait, stabiliser, ratio):
 @pytest.mark.slow
 @pytest.mark.parametrize("stabiliser", ["adaptive", "ankle"])
 def test_map_against_the_full_model_over_the_whole_basin(biped, gait, stabiliser):
-    """One step from each of twelve speeds, end to end of the interval that returns."""
+    """One step under continuous control from each of twelve speeds, end to end of the interval that returns.
+
+    The return itself, step after step, is the map's; it is walked from some of these speeds only.
+    """
     basin = RestrictedMap(biped, gait, make_stabiliser(stabiliser, biped, gait)).basin()
     assert basin.low < 0.97 < 1.03 < basin.high
     for ratio in np.linspace(basin.low, basin.high, 12):
@@ -171,6 +175,16 @@ def test_robust_gait_under_the_ankle_law_returns_from_far(biped, robust_gait):
         outer, inner = biped.sole
         assert np.all((run.p_fri > outer) & (run.p_fri < inner))
         assert np.max(np.abs(run.output_error)) < INVARIANCE
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("error", [-0.6, 0.8])
+def test_robust_gait_under_the_ankle_law_returns_with_torques_held_for_a_millisecond(biped, robust_gait, error):
+    """The aims of the design again; nearer to standstill than -90 % continuous control returns and this does not."""
+    run = simulate(biped, robust_gait, steps=6, period=1e-3, speed_error=error, stabiliser="ankle")
+    assert run.outcome == "completed"
+    assert speed_errors(run, robust_gait)[-1] < RECOVERED
+    assert run.settings["controller"]["unsolved"] == 0
 
 
 @pytest.mark.parametrize("error", [-0.1, 0.02, 0.05])
