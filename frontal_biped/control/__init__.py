@@ -4,7 +4,7 @@ from frontal_biped.control.controller import Command, QpController
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers.by_name import STABILISERS, make_stabiliser
 from frontal_biped.control.stabilisers.transitions import FixedTransitions, ReanchoringTransitions, Stabiliser
-from frontal_biped.control.torques.limits import ContactLimits, JointLimits
+from frontal_biped.control.torques.limits import ContactLimits, JointLimits, WalkingLimits
 from frontal_biped.control.torques.linearisation import Targets
 from frontal_biped.control.torques.torque_program import Source
 from frontal_biped.control.torques.walking_qp import WalkingQp
@@ -21,6 +21,7 @@ __all__ = [
     "Source",
     "Stabiliser",
     "Targets",
+    "WalkingLimits",
     "WalkingQp",
     "make_stabiliser",
 ]

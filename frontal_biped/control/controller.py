@@ -9,13 +9,14 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers.transitions import FixedTransitions, ReanchoringTransitions, Stabiliser
-from frontal_biped.control.torques.linearisation import Targets
+from frontal_biped.control.torques.linearisation import BODY_JOINTS, JOINTS, Targets
 from frontal_biped.control.torques.lyapunov import LyapunovFunction, least_acceleration
 from frontal_biped.control.torques.torque_program import Source, TorqueProgram
-from frontal_biped.control.torques.walking_qp import OUTPUT_ACCELERATION
+from frontal_biped.control.torques.walking_qp import FORCES, OUTPUT_ACCELERATION
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.state import State
 from frontal_biped.virtual_constraints.phase import Phase, StepPhase
 from frontal_biped.zero_dynamics.half_steps import Landed
 
@@ -121,20 +122,20 @@ class QpController:
 
     def begin(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> None:
         """A phase begins at q (4,) [rad], dq (4,) [rad/s]: ask the stabiliser for its virtual constraints."""
-        self._phases[phase] = self._next_phase(self.stabiliser, phase, q, dq)
+        self._phases[phase] = self._next_phase(self.stabiliser, phase, State(q, dq))
 
-    def _next_phase(self, stabiliser: Stabiliser, phase: StepPhase, q: FloatArray, dq: FloatArray) -> Phase:
-        rate = float(dq[0])
+    def _next_phase(self, stabiliser: Stabiliser, phase: StepPhase, state: State) -> Phase:
+        rate = state.dbeta
         try:
             if phase is StepPhase.FALLING:
-                return stabiliser.falling(self._phases[StepPhase.RISING], float(q[0]))
-            slope = dq[1:] / rate if rate else np.zeros(3)
-            return stabiliser.rising(Landed(q.copy(), slope, rate))
+                return stabiliser.falling(self._phases[StepPhase.RISING], state.beta)
+            slope = state.dq[1:] / rate if rate else np.zeros(BODY_JOINTS)
+            return stabiliser.rising(Landed(state.q.copy(), slope, rate))
         except (ReversalError, UnreachablePoseError):
             if stabiliser is self._fallback:
                 return self.gait.rising if phase is StepPhase.RISING else self.gait.falling
             self.declined += 1
-            return self._next_phase(self._fallback, phase, q, dq)
+            return self._next_phase(self._fallback, phase, state)
 
     def command(self, phase: StepPhase, q: FloatArray, dq: FloatArray, fri_shift: float = 0.0) -> Command:
         """Torques at a state.
@@ -148,42 +149,44 @@ class QpController:
         Returns:
             The command; ``source`` and ``solved`` say what it is worth.
         """
+        state = State(q, dq)
         if not isfinite(q.dot(q) + dq.dot(dq)):
-            return self._counted(self._held(), phase, q, dq, "the state is not finite")
-        targets, y, dy = self.targets(phase, q, dq)
+            return self._counted(self._held(), phase, state, "the state is not finite")
+        targets, y, dy = self.targets(phase, state)
         if fri_shift:
             outer, inner = self.biped.sole
             shifted = min(max(targets.p_fri + fri_shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
             targets = targets._replace(p_fri=shifted)
-        answer = self.program.solve(q, dq, targets)
+        answer = self.program.solve(state, targets)
         if answer is None:
-            return self._counted(self._held(y, dy, targets.p_fri), phase, q, dq, "the relaxed program is not solved")
+            return self._counted(self._held(y, dy, targets.p_fri), phase, state, "the relaxed program is not solved")
         source, u, ddq, force, violation, delta = answer
         command = Command(u, ddq, force, y, dy, targets.p_fri, source, delta)
         self._last = command
         if source is Source.RELAXED:
-            return self._counted(command, phase, q, dq, f"limits overstepped by up to {violation:.2e}")
+            return self._counted(command, phase, state, f"limits overstepped by up to {violation:.2e}")
         self.counts[source] += 1
         return command
 
-    def _counted(self, command: Command, phase: StepPhase, q: FloatArray, dq: FloatArray, why: str) -> Command:
+    def _counted(self, command: Command, phase: StepPhase, state: State, why: str) -> Command:
         """A command that is not the program's own solution, counted and logged."""
         self.counts[command.source] += 1
         _log.info(
             "%s, %s phase, beta %.4f rad, dbeta %.4f rad/s: no torques keep every limit, %s: %s",
             self.biped.name,
             phase.value,
-            q[0],
-            dq[0],
+            state.beta,
+            state.dbeta,
             "last command held" if command.source is Source.HELD else "limits relaxed",
             why,
         )
         return command
 
-    def targets(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> tuple[Targets, FloatArray, FloatArray]:
+    def targets(self, phase: StepPhase, state: State) -> tuple[Targets, FloatArray, FloatArray]:
         """What is asked of a state: targets, output y (3,) [rad] and its rate (3,) [rad/s]."""
-        h_d, h_d1, h_d2, p_fri = self._phases[phase].desired(q[0])
-        rate = float(dq[0])
+        q, dq = state
+        rate = dq.item(0)
+        h_d, h_d1, h_d2, p_fri = self._phases[phase].desired(q.item(0))
         y, dy = q[1:] - h_d, dq[1:] - rate * h_d1
         if self.lyapunov is None:
             ddy = dy * -self._kd
@@ -197,7 +200,8 @@ class QpController:
 
     def _held(self, y: FloatArray | None = None, dy: FloatArray | None = None, p_fri: float | None = None) -> Command:
         """The last command again, before the first no torques; output and target, where known, of this tick."""
-        none = Command(np.zeros(4), np.zeros(4), np.zeros(2), np.zeros(3), np.zeros(3), 0.0, Source.HELD)
+        joints, body = np.zeros(JOINTS), np.zeros(BODY_JOINTS)
+        none = Command(joints, joints, np.zeros(FORCES), body, body, 0.0, Source.HELD)
         held = (self._last or none)._replace(source=Source.HELD)
         return held if y is None or dy is None or p_fri is None else held._replace(y=y, dy=dy, p_fri_target=p_fri)
 

@@ -110,7 +110,11 @@ class Command(Protocol):
 
 
 class Controller(Protocol):
-    """Anything that turns phase and state into a command."""
+    """Anything that turns phase and state into a command.
+
+    Configuration and velocities come apart, not as a `State`: scenario files name controllers that users write, and
+    nothing of the package need be known to write one.
+    """
 
     def begin(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> None:
         """A phase begins at q (4,) [rad], dq (4,) [rad/s]: after an impact or at a reversal."""

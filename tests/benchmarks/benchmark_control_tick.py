@@ -25,7 +25,8 @@ from frontal_biped.control import ControllerSettings, QpController, Source
 from frontal_biped.control.torques.torque_program import PENALTY_PARAMETER
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model import FrontalBiped, Stance
-from frontal_biped.numerics.quadratic_program import ProxQpSolver
+from frontal_biped.model.state import State
+from frontal_biped.numerics.quadratic_program import ProxQpSolver, QuadraticProgram
 from frontal_biped.virtual_constraints import StepPhase
 
 PERIOD = 1e-3  # [s]
@@ -59,10 +60,11 @@ def main() -> None:
 
 
 # ---------------------------------------------------------------------- states
-State = tuple[StepPhase, np.ndarray, np.ndarray]
+Asked = tuple[StepPhase, np.ndarray, np.ndarray]
+"""What a tick is given: phase, q, dq."""
 
 
-def walking_states(robot: FrontalBiped, gait: Gait, count: int) -> Iterator[State]:
+def walking_states(robot: FrontalBiped, gait: Gait, count: int) -> Iterator[Asked]:
     """The states of a sampled walk, tick after tick."""
     steps = int(np.ceil(count * PERIOD / gait.orbit.step_duration)) + 1
     settings = fb.simulation.SimulationSettings(record_rate=1.0 / PERIOD)
@@ -71,14 +73,14 @@ def walking_states(robot: FrontalBiped, gait: Gait, count: int) -> Iterator[Stat
         yield (StepPhase.RISING if rising else StepPhase.FALLING), q, dq
 
 
-def noisy(states: list[State], size: float) -> Iterator[State]:
+def noisy(states: list[Asked], size: float) -> Iterator[Asked]:
     """The same with noise of the given size in position [rad], five times as much in speed [rad/s]."""
     rng = np.random.default_rng(0)
     for phase, q, dq in states:
         yield phase, q + size * rng.normal(size=4), dq + 5.0 * size * rng.normal(size=4)
 
 
-def scattered(gait: Gait, count: int) -> Iterator[State]:
+def scattered(gait: Gait, count: int) -> Iterator[Asked]:
     """States up to a radian off the virtual constraints, slow and fast; many admit no torques at all."""
     rng = np.random.default_rng(5)
     for _ in range(count):
@@ -97,14 +99,14 @@ def scattered(gait: Gait, count: int) -> Iterator[State]:
 
 # ---------------------------------------------------------------------- contenders
 class Contender:
-    """A function of a state, and the times it took."""
+    """A function of a state, or of the program posed there, and the times it took."""
 
-    def __init__(self, call: Callable[[StepPhase, np.ndarray, np.ndarray], object]) -> None:
+    def __init__(self, call: Callable[..., object]) -> None:
         self.call, self.times = call, []
 
-    def __call__(self, *state) -> None:
+    def __call__(self, *given) -> None:
         began = time.thread_time_ns()
-        self.call(*state)
+        self.call(*given)
         self.times.append(1e-3 * (time.thread_time_ns() - began))
 
     def __str__(self) -> str:
@@ -112,13 +114,17 @@ class Contender:
 
 
 class BareProxQp:
-    """The solver alone on the program another controller has just built."""
+    """The solver alone on the program of a controller: posing it is not part of the time."""
 
     def __init__(self, controller: QpController) -> None:
         self.controller, self.solver = controller, None
 
-    def __call__(self, *state) -> None:
-        program = self.controller.program.qp.program
+    def posed(self, phase: StepPhase, q: np.ndarray, dq: np.ndarray) -> QuadraticProgram:
+        """The program to solve."""
+        state = State(q, dq)
+        return self.controller.program.pose(state, self.controller.targets(phase, state)[0]).program
+
+    def __call__(self, program: QuadraticProgram) -> None:
         if self.solver is None:
             settings = self.controller.settings
             adapter = ProxQpSolver(settings.accuracy, settings.max_iterations, penalty_parameter=PENALTY_PARAMETER)
@@ -210,18 +216,18 @@ def tsid_tick(robot: FrontalBiped) -> TsidTick | None:
 
 
 # ---------------------------------------------------------------------- comparison
-def compare(robot: FrontalBiped, gait: Gait, states: list[State], settings: ControllerSettings):
+def compare(robot: FrontalBiped, gait: Gait, states: list[Asked], settings: ControllerSettings):
     ours, always = (QpController(robot, gait, replace(settings, solver=solver)) for solver in ("exact", "proxqp"))
-    peers = {
-        "tick": Contender(ours.command),
-        "tick, ProxQP every time": Contender(always.command),
-        "bare ProxQP": Contender(BareProxQp(always)),
-    }
+    ticks = {"tick": Contender(ours.command), "tick, ProxQP every time": Contender(always.command)}
+    solver = BareProxQp(always)
+    bare = Contender(solver)
+    peers = {**ticks, "bare ProxQP": bare}
     tsid = tsid_tick(robot)
     theirs = None if tsid is None else Contender(tsid)
     for i, (phase, q, dq) in enumerate(states):
-        for peer in peers.values():
+        for peer in ticks.values():
             peer(phase, q, dq)
+        bare(solver.posed(phase, q, dq))
         if tsid is not None and theirs is not None:
             theirs(phase, *tsid.free_flyer(q, dq))
         if i == 20:  # warm

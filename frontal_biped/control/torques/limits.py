@@ -14,6 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.settings import ControllerSettings
+from frontal_biped.control.torques.linearisation import Motion
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.state import State
 
 
 class ContactLimits(NamedTuple):
@@ -36,15 +40,15 @@ class ContactLimits(NamedTuple):
     def keeps(self, generalized_forces: list[float]) -> bool:
         """Are F_h, F_v [N], N_0 [N m] and the four torques [N m] within the limits?"""
         F_h, F_v, N_0, u_1, u_2, u_3, u_4 = generalized_forces
-        most = self.max_torque
+        most_1, most_2, most_3, most_4 = self.max_torque.tolist()  # plain numbers, as above: four of them are faster
         return bool(
             F_v >= self.min_normal_force
             and abs(F_h) <= self.friction * F_v
             and self.fri_outer * F_v <= N_0 <= self.fri_inner * F_v
-            and abs(u_1) <= most[0]
-            and abs(u_2) <= most[1]
-            and abs(u_3) <= most[2]
-            and abs(u_4) <= most[3]
+            and abs(u_1) <= most_1
+            and abs(u_2) <= most_2
+            and abs(u_3) <= most_3
+            and abs(u_4) <= most_4
         )
 
 
@@ -70,15 +74,16 @@ class JointLimits:
         # the same in plain numbers: on four joints NumPy's calls would cost more than the arithmetic
         self._ranges = list(zip(self._lower.tolist(), self._upper.tolist(), self._velocity.tolist(), strict=True))
 
-    def bounds(self, q: FloatArray, dq: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(4,) least and (4,) largest ddq [rad/s^2] at q (4,) [rad], dq (4,) [rad/s]."""
-        pull, drag = self.rate**2 * q, 2.0 * self.rate * dq
+    def bounds(self, state: State) -> tuple[FloatArray, FloatArray]:
+        """(4,) least and (4,) largest ddq [rad/s^2] at a state."""
+        pull, drag = self.rate**2 * state.q, 2.0 * self.rate * state.dq
         upper = np.minimum(self._upper - pull, self._velocity) - drag
         lower = np.maximum(self._lower - pull, -self._velocity) - drag
         return np.minimum(lower, upper), upper  # they cross only far outside a range
 
-    def keeps(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> bool:
+    def keeps(self, state: State, ddq: FloatArray) -> bool:
         """Is ddq (4,) [rad/s^2] within the bounds?"""
+        q, dq = state
         r, twice = self.rate**2, 2.0 * self.rate
         for (lower, upper, fastest), at, speed, change in zip(
             self._ranges, q.tolist(), dq.tolist(), ddq.tolist(), strict=True
@@ -87,3 +92,31 @@ class JointLimits:
             if not (-fastest <= asked <= fastest and lower <= asked + r * at <= upper):
                 return False
         return True
+
+
+class WalkingLimits(NamedTuple):
+    """Everything that a walking robot keeps.
+
+    Attributes:
+        contact: of contact and motors.
+        joints: of the joints' motion; None: none.
+    """
+
+    contact: ContactLimits
+    joints: JointLimits | None = None
+
+    @classmethod
+    def of(cls, biped: FrontalBiped, settings: ControllerSettings) -> "WalkingLimits":
+        """The limits of a robot, as the settings say."""
+        torque = biped.max_torque if settings.max_torque is None else np.array(settings.max_torque)
+        contact = ContactLimits(settings.friction, settings.min_normal_force * biped.weight, *biped.sole, torque)
+        if settings.joint_rate is None:
+            return cls(contact)
+        ranges = (biped.joint_lower, biped.joint_upper, biped.joint_max_velocity)
+        return cls(contact, JointLimits(*ranges, settings.joint_rate))
+
+    def keep(self, state: State, motion: Motion) -> bool:
+        """Does a motion at a state meet every constraint?"""
+        if not self.contact.keeps(motion.forces.tolist()):
+            return False
+        return self.joints is None or self.joints.keeps(state, motion.ddq)

@@ -19,6 +19,20 @@ import pinocchio as pin
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.torques.lyapunov import Decrease
 from frontal_biped.model.biped import BASE, FrontalBiped
+from frontal_biped.model.state import State
+from frontal_biped.model.urdf.description import ROLL_JOINTS
+
+JOINTS = len(ROLL_JOINTS)
+"""Freedoms of the pinned robot, and so of its accelerations, torques and residuals."""
+
+BODY_JOINTS = JOINTS - 1
+"""Joints above the stance ankle, one output each."""
+
+FRI = BODY_JOINTS
+"""Place in the residuals: first those of the outputs, then that of the FRI."""
+
+F_H, F_V, N_0 = range(BASE)
+"""Places in the generalised forces: the ground's on the stance foot, in the order of its freedoms, then the torques."""
 
 
 class Targets(NamedTuple):
@@ -53,65 +67,80 @@ class Motion(NamedTuple):
     forces: FloatArray
 
 
-class StanceDynamics:
-    """Dynamics at one state with the stance foot at rest; every array is allocated once and overwritten.
+class StanceDynamics(NamedTuple):
+    """Dynamics at one state with the stance foot at rest: a value, evaluated once a tick (`StanceModel.at`).
+
+    Attributes:
+        state: where they were evaluated.
+        M: (7, 7) mass matrix of the floating model, foot freedoms first.
+        bias: (7,) its Coriolis and gravity terms.
+    """
+
+    state: State
+    M: FloatArray
+    bias: FloatArray
+
+    def linearising(self, targets: Targets) -> Motion | None:
+        """The motion that meets all targets; None where I_P vanishes."""
+        p_fri = targets.p_fri
+        line = np.zeros((2, BASE + JOINTS))
+        a, c = line[0, BASE:], line[1, BASE:]  # behind the foot at rest
+        np.add(targets.ddy, targets.h_d2_dbeta2, out=a[1:])
+        c[0], c[1:] = 1.0, targets.h_d1
+        forces, along = line.dot(self.M)  # M is symmetric
+        forces += self.bias
+        divisor = along.item(N_0) - p_fri * along.item(F_V)
+        if divisor == 0.0:
+            return None
+        ddbeta = (p_fri * forces.item(F_V) - forces.item(N_0)) / divisor
+        along *= ddbeta
+        forces += along
+        c *= ddbeta
+        c += a
+        return Motion(c, forces)
+
+    def along_residuals(self, targets: Targets, a_0: float, T_0: float) -> tuple[FloatArray, FloatArray]:
+        """(4, 4) and (7, 4) derivatives of ddq and the forces with respect to the residuals of a motion.
+
+        Args:
+            targets: that the residuals are of; only the slope h_d' and the FRI target matter.
+            a_0: unit of the outputs' residuals [rad/s^2].
+            T_0: unit of the FRI's [N m].
+        """
+        M, p_fri = self.M[:, BASE:], targets.p_fri
+        c, k = np.empty(JOINTS), np.empty(JOINTS)
+        c[0], c[1:] = 1.0, targets.h_d1
+        m = M[F_V] * -p_fri
+        m += M[N_0]
+        np.multiply(m[1:], -a_0, out=k[:FRI])
+        k[FRI] = T_0
+        k /= m.dot(c)
+        ddq = c[:, None] * k
+        ddq += a_0 * _OF_OUTPUTS
+        return ddq, M.dot(ddq)
+
+
+_OF_OUTPUTS = np.eye(JOINTS, k=-1)
+"""(4, 4) residuals to body joints: the first output is of the second joint."""
+
+
+class StanceModel:
+    """Evaluates the dynamics of a robot whose stance foot is at rest.
+
+    Owns Pinocchio's work data; what is handed out is not part of it (Pinocchio returns copies), so that a value kept
+    from one tick stays what it was at the next.
 
     Args:
         biped: the robot.
-
-    Attributes:
-        M: (7, 7) mass matrix of the floating model, foot freedoms first.
-        bias: (7,) its Coriolis and gravity terms.
     """
 
     def __init__(self, biped: FrontalBiped) -> None:
         self._model = biped.floating
         self._data = biped.floating.createData()
-        self._q, self._dq = np.zeros(BASE + 4), np.zeros(BASE + 4)
-        self._line = np.zeros((2, BASE + 4))  # a and c, behind the foot at rest
-        self._line[1, BASE] = 1.0
-        self._k = np.zeros(4)
-        self._of_outputs = np.zeros((4, 4))
-        self._of_outputs[1:, :3] = np.eye(3)
-        self.M, self.bias = np.eye(BASE + 4), np.zeros(BASE + 4)
+        self._q, self._dq = np.zeros(BASE + JOINTS), np.zeros(BASE + JOINTS)
 
-    def move_to(self, q: FloatArray, dq: FloatArray) -> None:
-        """Evaluate at q (4,) [rad], dq (4,) [rad/s]."""
-        self._q[BASE:], self._dq[BASE:] = q, dq
-        self.M = pin.crba(self._model, self._data, self._q)
-        self.bias = pin.nonLinearEffects(self._model, self._data, self._q, self._dq)
-
-    def linearising(self, targets: Targets) -> Motion | None:
-        """The motion that meets all targets; None where I_P vanishes."""
-        line, p_fri = self._line, targets.p_fri
-        np.add(targets.ddy, targets.h_d2_dbeta2, out=line[0, BASE + 1 :])
-        line[1, BASE + 1 :] = targets.h_d1
-        forces, along = line.dot(self.M)  # M is symmetric
-        forces += self.bias
-        divisor = along.item(2) - p_fri * along.item(1)
-        if divisor == 0.0:
-            return None
-        ddbeta = (p_fri * forces.item(1) - forces.item(2)) / divisor
-        along *= ddbeta
-        forces += along
-        ddq = line[1, BASE:] * ddbeta
-        ddq += line[0, BASE:]
-        return Motion(ddq, forces)
-
-    def along_residuals(self, p_fri: float, a_0: float, T_0: float) -> tuple[FloatArray, FloatArray]:
-        """(4, 4) and (7, 4) derivatives of ddq and the forces with respect to the residuals of the last motion.
-
-        Args:
-            p_fri: its FRI target [m].
-            a_0: unit of the outputs' residuals [rad/s^2].
-            T_0: unit of the FRI's [N m].
-        """
-        M, c, k = self.M[:, BASE:], self._line[1, BASE:], self._k
-        m = M[1] * -p_fri
-        m += M[2]
-        np.multiply(m[1:], -a_0, out=k[:3])
-        k[3] = T_0
-        k /= m.dot(c)
-        ddq = c[:, None] * k
-        ddq += a_0 * self._of_outputs
-        return ddq, M.dot(ddq)
+    def at(self, state: State) -> StanceDynamics:
+        """The dynamics at a state."""
+        self._q[BASE:], self._dq[BASE:] = state
+        M = pin.crba(self._model, self._data, self._q)
+        return StanceDynamics(state, M, pin.nonLinearEffects(self._model, self._data, self._q, self._dq))

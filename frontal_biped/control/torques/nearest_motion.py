@@ -4,7 +4,7 @@ The program (`walking_qp`) misses its four targets by the residuals
 
 .. math:: r = ((\ddot y - v) / a_0,\; (N_0 - p_{FRI} F_v) / T_0),
 
-and its cost is |r|^2 / 2. Accelerations and forces are affine in r (`closed_form`); r = 0 is the linearising motion.
+and its cost is |r|^2 / 2. Accelerations and forces are affine in r (`linearisation`); r = 0 is the linearising motion.
 What remains are the limits, rows G r >= h: a least-distance problem, which `least_distance` solves exactly, in a few
 small steps, or shows to have no solution.
 
@@ -13,7 +13,7 @@ relaxation delta has the price rho: where the multiplier of the row is at most r
 pulls with rho exactly, which is the same program without the row and with v = -rho a_0 n.
 
 **Where no torques keep every limit** the limits give way as `relaxation` says: the least overstepping s is a
-least-distance problem too, in (sqrt(w_t) r, sqrt(w) s), and a second one has the limits moved by s.
+least-distance problem too, and a second one has the limits moved by s.
 """
 
 from math import isfinite
@@ -23,25 +23,15 @@ import numpy as np
 import numpy.typing as npt
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.torques.linearisation import Motion, Targets
-from frontal_biped.control.torques.relaxation import CONTACT_WEIGHT, JOINT_WEIGHT, SLACK
-from frontal_biped.control.torques.walking_qp import (
-    DDQ,
-    FORCE,
-    OUTPUT_ACCELERATION,
-    TORQUE_LEVER,
-    VARIABLES,
-    U,
-    WalkingQp,
-)
+from frontal_biped.control.torques.linearisation import BODY_JOINTS, FRI, Motion, StanceDynamics, Targets
+from frontal_biped.control.torques.relaxation import least_overstepping, weights
+from frontal_biped.control.torques.walking_qp import DDQ, FORCE, OUTPUT_ACCELERATION, VARIABLES, U, WalkingQp
+from frontal_biped.model.state import State
 from frontal_biped.numerics.least_distance import NoFeasiblePointError, UndecidedError, nearest_point
 from frontal_biped.numerics.quadratic_program import UNBOUNDED
 
 EXACT = 1e-9
 """By how much a row may be missed, in the units of the program."""
-
-TASK_WEIGHT = 1e-9
-"""w_t of the least overstepping: smaller than what ProxQP can take, and the answer nearer to the least there is."""
 
 NEVER = -1e9
 """Stands for minus infinity: a row that is never active."""
@@ -65,43 +55,41 @@ class NearestMotion:
     """Solves the walking program in the residuals of its targets.
 
     Args:
-        qp: the program; its limits and its dynamics are used, moved to the state of the tick.
-        price: rho of a control Lyapunov function's relaxation [-].
+        qp: the program; its limits are used, and its units.
     """
 
-    def __init__(self, qp: WalkingQp, price: float) -> None:
-        self._dynamics, self._joints, self._price = qp.dynamics, qp.joints, price
-        self._T_0 = TORQUE_LEVER * qp.biped.weight
+    def __init__(self, qp: WalkingQp) -> None:
+        self._joints, self._price, self._torque_unit = qp.limits.joints, qp.price, qp.torque_unit
         contact, torque, *_ = qp.rows
         fixed = slice(contact.start, torque.stop)  # of the program's rows those that are the same at every tick
-        program, weights = qp.program, np.array([CONTACT_WEIGHT] * 5 + [np.inf] * 4)  # motors never give way
+        program, weight = qp.fixed, weights(qp.rows)
         C = program.C[fixed, :VARIABLES] / qp.scale
         below, above = program.l[fixed] > -UNBOUNDED, program.u[fixed] < UNBOUNDED
         rows = np.concatenate([C[below], -C[above]])
         self._least = np.concatenate([program.l[fixed][below], -program.u[fixed][above]])
         self._of_ddq = rows[:, DDQ]
-        self._of_forces = np.concatenate([rows[:, FORCE], np.zeros((len(rows), 1)), rows[:, U]], axis=1)
-        self._weights = np.concatenate([weights[below], weights[above]])
-        if qp.joints is not None:
-            self._weights = np.append(self._weights, [JOINT_WEIGHT] * (2 * len(qp.joints.limited)))
-        self._soft = np.flatnonzero(np.isfinite(self._weights))
+        of_moment = np.zeros((len(rows), 1))  # none: N_0 is not a variable of the program
+        self._of_forces = np.concatenate([rows[:, FORCE], of_moment, rows[:, U]], axis=1)
+        self._weights = np.concatenate([weight[fixed][below], weight[fixed][above]])
+        if self._joints is not None:
+            limited = weight[qp.rows.joint][self._joints.limited]
+            self._weights = np.concatenate([self._weights, limited, limited])
 
-    def solve(self, q: FloatArray, dq: FloatArray, targets: Targets, linearising: Motion) -> Nearest | None:
-        """The optimum at the state of the dynamics, q (4,) [rad], dq (4,) [rad/s].
+    def solve(self, dynamics: StanceDynamics, targets: Targets, linearising: Motion) -> Nearest | None:
+        """The optimum at the state of the dynamics.
 
         None where it is not known to rounding: I_P nearly vanishes, or the state is far outside of everything.
 
         Args:
-            q: state.
-            dq: its rate.
+            dynamics: at the state.
             targets: what is asked of it.
             linearising: the motion that meets them, limits left aside.
         """
         origin = linearising
         if targets.decrease is not None:  # from v = 0
-            origin = self._dynamics.linearising(targets._replace(ddy=np.zeros(3))) or linearising
-        along, forces_along = self._dynamics.along_residuals(targets.p_fri, OUTPUT_ACCELERATION, self._T_0)
-        G, h = self._limits(q, dq, origin, along, forces_along)
+            origin = dynamics.linearising(targets._replace(ddy=np.zeros(BODY_JOINTS))) or linearising
+        along, forces_along = dynamics.along_residuals(targets, OUTPUT_ACCELERATION, self._torque_unit)
+        G, h = self._limits(dynamics.state, origin, along, forces_along)
         if not isfinite(h.sum() + G.sum()):
             return None
         try:
@@ -125,7 +113,7 @@ class NearestMotion:
             return r, delta, max(0.0, (h - G.dot(r)).max().item())
 
     def _limits(
-        self, q: FloatArray, dq: FloatArray, origin: Motion, along: FloatArray, forces_along: FloatArray
+        self, state: State, origin: Motion, along: FloatArray, forces_along: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Rows G r >= h of all limits, G (k, 4), h (k,)."""
         G = self._of_forces.dot(forces_along)
@@ -135,7 +123,7 @@ class NearestMotion:
         if self._joints is None:
             return G, h
         limited = self._joints.limited
-        lower, upper = self._joints.bounds(q, dq)
+        lower, upper = self._joints.bounds(state)
         ddq, joint = origin.ddq[limited], along[limited] / OUTPUT_ACCELERATION
         bounds = np.concatenate([lower[limited] - ddq, ddq - upper[limited]]) / OUTPUT_ACCELERATION
         return np.concatenate([G, joint, -joint]), np.concatenate([h, np.maximum(bounds, NEVER)])
@@ -170,16 +158,9 @@ class NearestMotion:
         Raises:
             NoFeasiblePointError: rounding makes it look as if motors had to give way too.
         """
-        soft, weights = self._soft, self._weights
         if targets.decrease is not None:
-            h = h - G[:, :3].dot(targets.ddy) / OUTPUT_ACCELERATION
-        rows = np.zeros((4 + len(soft), len(h)))
-        # the task, as in the program, in units of its own size
-        rows[:4] = G.T * (_distance(G, h) / TASK_WEIGHT**0.5)
-        rows[4 + np.arange(len(soft)), soft] = weights[soft] ** -0.5
-        s = nearest_point(rows, h) / weights
-        s[soft] += SLACK * max(1.0, s.max())
-        return s
+            h = h - G[:, :FRI].dot(targets.ddy) / OUTPUT_ACCELERATION
+        return least_overstepping(G, h, self._weights, _distance(G, h))
 
 
 def _nearest(G: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:

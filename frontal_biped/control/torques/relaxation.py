@@ -1,66 +1,101 @@
-"""The nearest program that has a solution: limits give way in an order, motors never.
+"""The nearest program that has a solution: what gives way where no torques keep every limit, in which order, how far.
 
-First the least overstepping: every row of the contact and of the joints gets a slack s, penalised by its square,
+Motors never: no command can overstep their limits, and with them alone there is always a solution, u = 0. Of the other
+rows each gets a slack s, penalised by its square; the least overstepping
 
     minimise    1/2 |s_contact|^2 + 1/2 w_j |s_joints|^2 + w_t (the cost of the walking program)
     subject to  its dynamics and torque limits as they are,   l <= C x + s <= u   for the other rows,
 
-with rows in the units of the program (the weight, the weight on 0.1 m, 10 rad/s^2) and w_j < 1; w_t only makes the
-answer unique. Then the walking program itself, its limits moved by s: a robot saves first its footing, then its joints,
-then its gait. Both torques and overstepping are continuous where a program begins to have no solution, as s is zero
-there; torques that jump would make a robot chatter along that border. The motors' limits stay, for no command can
-overstep them, and with them alone there is always a solution: u = 0.
+with rows in the units of the program (the weight, the weight on 0.1 m, 10 rad/s^2). w_j < 1: a robot saves first its
+footing, then its joints. w_t only makes the answer unique: last comes the gait. Then the walking program itself is
+solved, its limits moved by s. Both torques and overstepping are continuous where a program begins to have no solution,
+as s is zero there; torques that jump would make a robot chatter along that border.
+
+The same problem in two shapes: as a least distance in the residuals of the targets (`least_overstepping`, to rounding),
+and as a quadratic program for ProxQP (`relaxed`, `widened`). Weights, order and room are those below in both.
 """
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.torques.walking_qp import Rows
+from frontal_biped.numerics.least_distance import nearest_point
 from frontal_biped.numerics.quadratic_program import QuadraticProgram
 
 CONTACT_WEIGHT = 1.0
-JOINT_WEIGHT = 1e-2  # w_j
-TASK_WEIGHT = 1e-7  # w_t
-SLACK = 1e-6  # more room than is needed, for the tolerance of the slacks
+JOINT_WEIGHT = 1e-2
+"""w_j: the joints' slacks weigh as much as the contact's when they are ten times as large."""
+
+TASK_WEIGHT = 1e-9
+"""w_t: so small that the overstepping found is the least there is, to more digits than any use of it has."""
+
+SLACK = 1e-6
+"""More room than is needed, in units of the largest slack or 1: for the tolerance of the slacks."""
 
 
-class RelaxedQp:
-    """Builds the relaxed program; its matrices are allocated once and overwritten at every call.
+def weights(rows: Rows) -> FloatArray:
+    """(k,) weight of every inequality of the walking program; inf: it never gives way.
+
+    The condition of a control Lyapunov function is among those that do not: it has a relaxation of its own.
+    """
+    weight = np.full(rows.decrease.stop, np.inf)
+    weight[rows.contact], weight[rows.joint] = CONTACT_WEIGHT, JOINT_WEIGHT
+    return weight
+
+
+def least_overstepping(G: FloatArray, h: FloatArray, weight: FloatArray, unit: float) -> FloatArray:
+    """(k,) by how much rows G r >= h give way, a little more than they must; the cost is |r|^2 / 2.
 
     Args:
-        original: the program relaxed; only its shape is used.
-        which: its rows.
+        G: (k, 4).
+        h: (k,).
+        weight: (k,) of the rows.
+        unit: size of r in which the cost is measured [-], as the walking program's is in units of its own size.
+
+    Raises:
+        NoFeasiblePointError: rounding makes it look as if motors had to give way too.
     """
+    soft, n = np.flatnonzero(np.isfinite(weight)), G.shape[1]
+    rows = np.zeros((n + len(soft), len(h)))
+    rows[:n] = G.T * (unit / TASK_WEIGHT**0.5)
+    rows[n + np.arange(len(soft)), soft] = weight[soft] ** -0.5
+    s = nearest_point(rows, h) / weight
+    s[soft] += _room(s)
+    return s
 
-    def __init__(self, original: QuadraticProgram, which: Rows) -> None:
-        n, rows = len(original.g), len(original.l)
-        weight = np.zeros(rows)
-        weight[which.contact], weight[which.joint] = CONTACT_WEIGHT, JOINT_WEIGHT
-        soft = np.flatnonzero(weight)
-        size = n + len(soft)
-        H, A, C = np.zeros((size, size)), np.zeros((len(original.b), size)), np.zeros((rows, size))
-        H[n:, n:] = np.diag(weight[soft])
-        C[soft, n + np.arange(len(soft))] = 1.0
-        self._n, self._soft = n, soft
-        self.program = QuadraticProgram(H, np.zeros(size), A, original.b, C, original.l, original.u)
 
-    def build(self, original: QuadraticProgram) -> QuadraticProgram:
-        """The program of a walking program just built; the first variables of its solution are those of the other."""
-        n, program = self._n, self.program
-        program.H[:n, :n], program.g[:n] = TASK_WEIGHT * original.H, TASK_WEIGHT * original.g
-        program.A[:, :n], program.C[:, :n] = original.A, original.C
-        return program._replace(b=original.b, l=original.l, u=original.u)
+def relaxed(original: QuadraticProgram, weight: FloatArray) -> QuadraticProgram:
+    """The program of the least overstepping: in the walking program's variables and a slack of each row that gives way.
 
-    def widened(self, original: QuadraticProgram, x: FloatArray) -> QuadraticProgram:
-        """The walking program with its limits moved as far as a solution x of `build` says."""
-        s = x[self._n :]
-        l, u = original.l.copy(), original.u.copy()
-        l[self._soft] -= np.maximum(s, 0.0) + SLACK
-        u[self._soft] += np.maximum(-s, 0.0) + SLACK
-        return original._replace(l=l, u=u)
+    Args:
+        original: the walking program.
+        weight: (k,) of its rows.
+    """
+    soft, n = np.flatnonzero(np.isfinite(weight)), len(original.g)
+    size = n + len(soft)
+    H, g = np.zeros((size, size)), np.zeros(size)
+    H[:n, :n], g[:n] = TASK_WEIGHT * original.H, TASK_WEIGHT * original.g
+    H[n:, n:] = np.diag(weight[soft])
+    A, C = np.zeros((len(original.A), size)), np.zeros((len(original.C), size))
+    A[:, :n], C[:, :n] = original.A, original.C
+    C[soft, n + np.arange(len(soft))] = 1.0
+    return original._replace(H=H, g=g, A=A, C=C)
+
+
+def widened(original: QuadraticProgram, weight: FloatArray, x: FloatArray) -> QuadraticProgram:
+    """The walking program with its limits moved as far as a solution x of `relaxed` says."""
+    soft, s = np.flatnonzero(np.isfinite(weight)), x[len(original.g) :]
+    l, u, room = original.l.copy(), original.u.copy(), _room(np.abs(s))
+    l[soft] -= np.maximum(s, 0.0) + room
+    u[soft] += np.maximum(-s, 0.0) + room
+    return original._replace(l=l, u=u)
 
 
 def violation(program: QuadraticProgram, x: FloatArray) -> float:
     """Largest amount by which x (n,), slacks behind it or not, oversteps the inequalities, in the program's units."""
     value = program.C @ x[: len(program.g)]
     return float(max(np.max(program.l - value), np.max(value - program.u), 0.0))
+
+
+def _room(s: FloatArray) -> float:
+    return SLACK * max(1.0, s.max().item())

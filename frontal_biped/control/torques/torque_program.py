@@ -12,12 +12,13 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.settings import ControllerSettings
-from frontal_biped.control.torques.limits import ContactLimits, JointLimits
-from frontal_biped.control.torques.linearisation import Targets
+from frontal_biped.control.torques.limits import WalkingLimits
+from frontal_biped.control.torques.linearisation import StanceDynamics, StanceModel, Targets
 from frontal_biped.control.torques.nearest_motion import NearestMotion
-from frontal_biped.control.torques.relaxation import RelaxedQp, violation
-from frontal_biped.control.torques.walking_qp import DDQ, DELTA, FORCE, VARIABLES, U, WalkingQp
+from frontal_biped.control.torques.relaxation import relaxed, violation, weights, widened
+from frontal_biped.control.torques.walking_qp import DDQ, DELTA, FORCE, FORCES, VARIABLES, PosedProgram, U, WalkingQp
 from frontal_biped.model.biped import BASE, FrontalBiped
+from frontal_biped.model.state import State
 from frontal_biped.numerics.quadratic_program import ProxQpSolver, refined
 
 PENALTY_PARAMETER = 1e-2
@@ -72,55 +73,54 @@ class TorqueProgram:
     """
 
     def __init__(self, biped: FrontalBiped, settings: ControllerSettings) -> None:
-        outer, inner = biped.sole
-        torque = biped.max_torque if settings.max_torque is None else np.array(settings.max_torque)
-        limits = ContactLimits(settings.friction, settings.min_normal_force * biped.weight, outer, inner, torque)
-        joints = None
-        if settings.joint_rate is not None:
-            joints = JointLimits(biped.joint_lower, biped.joint_upper, biped.joint_max_velocity, settings.joint_rate)
         price = settings.relaxation_price if settings.outputs == "clf" else None
-        self.qp = WalkingQp(biped, limits, joints, price)
+        self.qp = WalkingQp(biped, WalkingLimits.of(biped, settings), price)
+        self._stance = StanceModel(biped)
         self._exact = settings.solver == "exact"
-        self._nearest = NearestMotion(self.qp, settings.relaxation_price)
+        self._nearest = NearestMotion(self.qp)
         self._solver = ProxQpSolver(settings.accuracy, settings.max_iterations, penalty_parameter=PENALTY_PARAMETER)
-        self._relaxed = RelaxedQp(self.qp.program, self.qp.rows)
         self._relaxed_solver = ProxQpSolver(RELAXED_ACCURACY, settings.max_iterations, relative=RELAXED_ACCURACY)
         self._was_active = False
 
-    def solve(self, q: FloatArray, dq: FloatArray, targets: Targets) -> Answer | None:
-        """Torques at q (4,) [rad], dq (4,) [rad/s]; None where even the relaxed program is not solved."""
-        self.qp.move_to(q, dq)
-        answer = self._exactly(q, dq, targets) if self._exact else None
+    def pose(self, state: State, targets: Targets) -> PosedProgram:
+        """The quadratic program at a state, as `solve` solves it by whatever way."""
+        return self.qp.pose(self._stance.at(state), targets)
+
+    def solve(self, state: State, targets: Targets) -> Answer | None:
+        """Torques at a state; None where even the relaxed program is not solved."""
+        dynamics = self._stance.at(state)
+        answer = self._exactly(dynamics, targets) if self._exact else None
         if answer is None:
-            return self._by_proxqp(targets)
+            return self._by_proxqp(dynamics, targets)
         self._was_active = False
         return answer
 
-    def _exactly(self, q: FloatArray, dq: FloatArray, targets: Targets) -> Answer | None:
+    def _exactly(self, dynamics: StanceDynamics, targets: Targets) -> Answer | None:
         """The answer to rounding; None where that cannot be had."""
-        qp = self.qp
-        motion = qp.dynamics.linearising(targets)
+        motion = dynamics.linearising(targets)
         if motion is None:
             return None
-        if qp.keeps_limits(motion):
+        if self.qp.limits.keep(dynamics.state, motion):
+            # it meets the targets: both costs are zero (with a control Lyapunov function: the least of any v, and
+            # zero), and no other motion can be better
             forces = motion.forces
-            return Answer(Source.CLOSED_FORM, forces[BASE:], motion.ddq, forces[:2], 0.0, targets.relaxation)
-        nearest = self._nearest.solve(q, dq, targets, motion)
+            return Answer(Source.CLOSED_FORM, forces[BASE:], motion.ddq, forces[:FORCES], 0.0, targets.relaxation)
+        nearest = self._nearest.solve(dynamics, targets, motion)
         if nearest is None:
             return None
-        (ddq, forces), relaxation, violation = nearest
-        source = Source.RELAXED if violation else Source.PROGRAM
-        return Answer(source, self._clipped(forces[BASE:]), ddq, forces[:2], violation, relaxation)
+        (ddq, forces), relaxation, overstepped = nearest
+        source = Source.RELAXED if overstepped else Source.PROGRAM
+        return Answer(source, self._clipped(forces[BASE:]), ddq, forces[:FORCES], overstepped, relaxation)
 
     def _clipped(self, u: FloatArray) -> FloatArray:
         """The torques within the motors' limits to the last digit, whatever the tolerance they were found to."""
-        most = self.qp.limits.max_torque
+        most = self.qp.limits.contact.max_torque
         return np.minimum(np.maximum(u, -most), most)
 
-    def _by_proxqp(self, targets: Targets) -> Answer | None:
+    def _by_proxqp(self, dynamics: StanceDynamics, targets: Targets) -> Answer | None:
         """ProxQP's answer, of the relaxed program where it finds none; None where it finds neither."""
         qp = self.qp
-        program = qp.build(targets)
+        program, delta_unit = qp.pose(dynamics, targets)
         if not isfinite(program.g.sum() + program.b.sum() + program.A.sum()):
             return None
         # the limits active at the last tick are mostly those of this one
@@ -130,13 +130,14 @@ class TorqueProgram:
         if solution.solved:
             solution = refined(program, solution)
         else:
-            least = self._relaxed_solver.solve(self._relaxed.build(program), warm=False)
+            weight = weights(qp.rows)
+            least = self._relaxed_solver.solve(relaxed(program, weight), warm=False)
             if not least.solved:
                 return None
-            widened = self._relaxed.widened(program, least.x)
-            solution = self._solver.solve(widened, warm=False)
-            solution = refined(widened, solution) if solution.solved else least
+            wider = widened(program, weight, least.x)
+            solution = self._solver.solve(wider, warm=False)
+            solution = refined(wider, solution) if solution.solved else least
             source, overstepped = Source.RELAXED, violation(program, solution.x)
         x = solution.x[:VARIABLES] * qp.scale
-        relaxation = 0.0 if targets.decrease is None else qp.delta_unit * float(solution.x[DELTA])
+        relaxation = 0.0 if targets.decrease is None else delta_unit * float(solution.x[DELTA])
         return Answer(source, self._clipped(x[U]), x[DDQ], x[FORCE], overstepped, relaxation)

@@ -31,17 +31,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frontal_biped.arrays import FloatArray
-from frontal_biped.control.torques.limits import ContactLimits, JointLimits
-from frontal_biped.control.torques.linearisation import Motion, StanceDynamics, Targets
+from frontal_biped.control.torques.limits import WalkingLimits
+from frontal_biped.control.torques.linearisation import FRI, JOINTS, StanceDynamics, Targets
 from frontal_biped.model.biped import BASE, FrontalBiped
 from frontal_biped.model.chain import GRAVITY
 from frontal_biped.numerics.quadratic_program import UNBOUNDED, QuadraticProgram
 
-VARIABLES = 10
 OUTPUT_ACCELERATION = 10.0  # a_0 [rad/s^2]
 TORQUE_LEVER = 0.1  # T_0 = m g times this [m], of the order of a sole
-DDQ, U, FORCE, DELTA = slice(0, 4), slice(4, 8), slice(8, 10), 10
+
+FORCES = 2  # F_h, F_v; N_0 is not a variable, for it follows from u_1 and F_h
+VARIABLES = 2 * JOINTS + FORCES
+DDQ, U, FORCE = slice(0, JOINTS), slice(JOINTS, 2 * JOINTS), slice(2 * JOINTS, VARIABLES)
+BETA, BODY = DDQ.start, slice(DDQ.start + 1, DDQ.stop)  # of ddq: stance ankle, and the joints that the outputs are of
+ANKLE = U.start
+F_H, F_V = range(FORCE.start, FORCE.stop)
+DELTA = VARIABLES
+CONTACT = 5
+"""Inequalities of the contact: two sides of the friction cone, two ends of the sole, the normal force."""
 
 
 class Rows(NamedTuple):
@@ -52,125 +59,118 @@ class Rows(NamedTuple):
     joint: slice
     decrease: slice
 
+    @classmethod
+    def of(cls, joints: bool, decrease: bool) -> "Rows":
+        """Of a program with or without limits of the joints' motion and a control Lyapunov function."""
+        sizes = (CONTACT, JOINTS, JOINTS if joints else 0, 2 if decrease else 0)
+        ends = np.cumsum(sizes).tolist()
+        return cls(*(slice(end - size, end) for size, end in zip(sizes, ends, strict=True)))
+
+
+class PosedProgram(NamedTuple):
+    """The program of one tick.
+
+    Attributes:
+        program: its first ten variables times `WalkingQp.scale` are (ddq, u, F_h, F_v) in SI units.
+        delta_unit: unit of delta, the last variable with a control Lyapunov function [rad/s^2].
+    """
+
+    program: QuadraticProgram
+    delta_unit: float
+
 
 class WalkingQp:
-    """Builds the program at a state; matrices are allocated once and overwritten at every call.
+    """Poses the program of a tick.
 
     Args:
         biped: the robot.
-        limits: of contact and motors.
-        joints: of the joints' motion; None: none.
+        limits: what it keeps.
         relaxation_price: rho of a control Lyapunov function; None: the output accelerations are given.
 
     Attributes:
-        dynamics: at the state moved to.
+        limits: what is kept.
         rows: which inequalities are which.
         scale: (10,) units of ddq, u and F.
-        delta_unit: unit of delta in the program just built [rad/s^2].
+        torque_unit: T_0 [N m].
+        price: rho, zero without a control Lyapunov function [-].
+        fixed: the program without what changes from tick to tick.
     """
 
-    def __init__(
-        self,
-        biped: FrontalBiped,
-        limits: ContactLimits,
-        joints: JointLimits | None = None,
-        relaxation_price: float | None = None,
-    ) -> None:
-        self.biped = biped
+    def __init__(self, biped: FrontalBiped, limits: WalkingLimits, relaxation_price: float | None = None) -> None:
         self.limits = limits
-        self.joints = joints
+        contact_limits, joint_limits = limits
         T_0, F_0 = TORQUE_LEVER * biped.weight, biped.weight
-        self._T_0, self._F_0 = T_0, F_0
-        self.scale = np.array([1.0] * 4 + [T_0] * 4 + [F_0] * 2)
+        self.torque_unit, self._F_0 = T_0, F_0
+        self.scale = np.array([1.0] * JOINTS + [T_0] * JOINTS + [F_0] * FORCES)
+        self.price = relaxation_price or 0.0
         n = VARIABLES if relaxation_price is None else VARIABLES + 1
-        last = 9 if joints is None else 13
-        self.rows = Rows(slice(0, 5), slice(5, 9), slice(9, last), slice(last, last + 2 * (n - VARIABLES)))
-        self.dynamics = StanceDynamics(biped)
+        self.rows = Rows.of(joint_limits is not None, relaxation_price is not None)
         # N_0 / T_0 = moment_row . x + moment_constant
         foot = biped.chain.bodies[0]
         moment_row = np.zeros(VARIABLES)
-        moment_row[0] = -biped.chain.armature[0] / T_0
-        moment_row[4] = 1.0
-        moment_row[8] = -biped.ankle_height * F_0 / T_0
+        moment_row[BETA] = -biped.chain.armature[0] / T_0
+        moment_row[ANKLE] = 1.0
+        moment_row[F_H] = -biped.ankle_height * F_0 / T_0
         moment_constant = foot.mass * GRAVITY * float(foot.com[0]) / T_0
         # outputs and FRI: residual = task x - goal
-        self._task = np.zeros((4, VARIABLES))
-        self._task[:3, 1:4] = np.eye(3) / OUTPUT_ACCELERATION
-        self._task[3] = moment_row
-        self._goal = np.zeros(4)
-        self._goal[3] = -moment_constant
-        A = np.zeros((6, n))
-        A[:, 4:VARIABLES] = np.eye(6)
+        self._task = np.zeros((JOINTS, VARIABLES))
+        self._task[:FRI, BODY] = np.eye(FRI) / OUTPUT_ACCELERATION
+        self._task[FRI] = moment_row
+        self._goal = np.zeros(JOINTS)
+        self._goal[FRI] = -moment_constant
+        A = np.zeros((JOINTS + FORCES, n))
+        A[:, U.start : VARIABLES] = np.eye(JOINTS + FORCES)
         contact, torque, joint, decrease = self.rows
         C = np.zeros((decrease.stop, n))
-        C[0, FORCE], C[1, FORCE] = (1.0, limits.friction), (-1.0, limits.friction)
+        C[0, FORCE], C[1, FORCE] = (1.0, contact_limits.friction), (-1.0, contact_limits.friction)
         C[2, :VARIABLES], C[3, :VARIABLES] = moment_row, -moment_row
-        C[2, 9] -= limits.fri_outer * F_0 / T_0
-        C[3, 9] += limits.fri_inner * F_0 / T_0
-        C[4, 9] = 1.0
-        C[torque, U] = np.eye(4)
+        C[2, F_V] -= contact_limits.fri_outer * F_0 / T_0
+        C[3, F_V] += contact_limits.fri_inner * F_0 / T_0
+        C[4, F_V] = 1.0
+        C[torque, U] = np.eye(JOINTS)
         l, u = np.zeros(len(C)), np.full(len(C), UNBOUNDED)
-        l[contact] = 0.0, 0.0, -moment_constant, moment_constant, limits.min_normal_force / F_0
-        l[torque], u[torque] = -limits.max_torque / T_0, limits.max_torque / T_0
-        if joints is not None:
-            C[joint, DDQ] = np.eye(4) / OUTPUT_ACCELERATION
-        self._relaxation_price = relaxation_price or 0.0
-        self.delta_unit = OUTPUT_ACCELERATION
+        l[contact] = 0.0, 0.0, -moment_constant, moment_constant, contact_limits.min_normal_force / F_0
+        l[torque], u[torque] = -contact_limits.max_torque / T_0, contact_limits.max_torque / T_0
+        if joint_limits is not None:
+            C[joint, DDQ] = np.eye(JOINTS) / OUTPUT_ACCELERATION
         if relaxation_price is not None:
             C[decrease, DELTA] = -1.0, 1.0
             l[decrease.start] = -UNBOUNDED
-        self.program = QuadraticProgram(np.zeros((n, n)), np.zeros(n), A, np.zeros(6), C, l, u)
+        self.fixed = QuadraticProgram(np.zeros((n, n)), np.zeros(n), A, np.zeros(JOINTS + FORCES), C, l, u)
 
-    def move_to(self, q: FloatArray, dq: FloatArray) -> None:
-        """Evaluate the dynamics at q (4,) [rad], dq (4,) [rad/s]: before any of the calls below."""
-        self._q, self._dq = q, dq
-        self.dynamics.move_to(q, dq)
-
-    def keeps_limits(self, motion: Motion) -> bool:
-        """Does a motion at this state meet every constraint?
-
-        Where it also meets the targets (`StanceDynamics.linearising`), both costs are zero (with a control Lyapunov
-        function: the least of any v, and zero), and no other can be better: it is the program's optimum.
-        """
-        if not self.limits.keeps(motion.forces.tolist()):
-            return False
-        return self.joints is None or self.joints.keeps(self._q, self._dq, motion.ddq)
-
-    def build(self, targets: Targets) -> QuadraticProgram:
-        """The program; its arrays are reused by the next call.
-
-        The first ten variables of its solution times `scale` are (ddq, u, F_h, F_v) in SI units.
-        """
-        M, bias = self.dynamics.M, self.dynamics.bias
-        program = self.program
-        np.divide(M[BASE:, BASE:], -self._T_0, out=program.A[:4, DDQ])
-        np.divide(M[:2, BASE:], -self._F_0, out=program.A[4:, DDQ])
-        np.divide(bias[BASE:], self._T_0, out=program.b[:4])
-        np.divide(bias[:2], self._F_0, out=program.b[4:])
-        task, goal = self._task, self._goal
-        np.divide(targets.h_d1, -OUTPUT_ACCELERATION, out=task[:3, 0])
-        task[3, 9] = -targets.p_fri * self._F_0 / self._T_0
+    def pose(self, dynamics: StanceDynamics, targets: Targets) -> PosedProgram:
+        """The program at the state of the dynamics."""
+        program = QuadraticProgram(*(part.copy() for part in self.fixed))
+        T_0, F_0 = self.torque_unit, self._F_0
+        M, bias = dynamics.M, dynamics.bias
+        np.divide(M[BASE:, BASE:], -T_0, out=program.A[:JOINTS, DDQ])
+        np.divide(M[:FORCES, BASE:], -F_0, out=program.A[JOINTS:, DDQ])
+        np.divide(bias[BASE:], T_0, out=program.b[:JOINTS])
+        np.divide(bias[:FORCES], F_0, out=program.b[JOINTS:])
+        task, goal = self._task.copy(), self._goal.copy()
+        np.divide(targets.h_d1, -OUTPUT_ACCELERATION, out=task[:FRI, BETA])
+        task[FRI, F_V] = -targets.p_fri * F_0 / T_0
         drift = targets.h_d2_dbeta2
-        goal[:3] = (drift if targets.decrease else targets.ddy + drift) / OUTPUT_ACCELERATION
+        goal[:FRI] = (drift if targets.decrease else targets.ddy + drift) / OUTPUT_ACCELERATION
         H, g = task.T.dot(task), goal.dot(task)
         # off the gait h_d' and v may be thousands; the cost in units of its own size, or ProxQP stalls
         unit = max(1.0, H.trace().item(), np.abs(g).max().item())
         program.H[:VARIABLES, :VARIABLES] = H / unit
         program.g[:VARIABLES] = g / -unit
-        if self.joints is not None:
-            lower, upper = self.joints.bounds(self._q, self._dq)
+        if self.limits.joints is not None:
+            lower, upper = self.limits.joints.bounds(dynamics.state)
             joint = self.rows.joint
             np.clip(lower / OUTPUT_ACCELERATION, -UNBOUNDED, UNBOUNDED, out=program.l[joint])
             np.clip(upper / OUTPUT_ACCELERATION, -UNBOUNDED, UNBOUNDED, out=program.u[joint])
-        if targets.decrease:
-            n, b = targets.decrease
-            row = self.rows.decrease.start
-            slope = -n.dot(targets.h_d1).item()
-            # the row, and delta with it, likewise
-            size = OUTPUT_ACCELERATION * max(1.0, abs(slope) / OUTPUT_ACCELERATION)
-            program.C[row, 0] = slope / size
-            program.C[row, 1:4] = n / size
-            program.u[row] = (n.dot(drift) - b) / size if n.any() else UNBOUNDED
-            program.g[DELTA] = self._relaxation_price * size / (OUTPUT_ACCELERATION * unit)
-            self.delta_unit = size
-        return program
+        if not targets.decrease:
+            return PosedProgram(program, OUTPUT_ACCELERATION)
+        n, b = targets.decrease
+        row = self.rows.decrease.start
+        slope = -n.dot(targets.h_d1).item()
+        # the row, and delta with it, likewise
+        size = OUTPUT_ACCELERATION * max(1.0, abs(slope) / OUTPUT_ACCELERATION)
+        program.C[row, BETA] = slope / size
+        program.C[row, BODY] = n / size
+        program.u[row] = (n.dot(drift) - b) / size if n.any() else UNBOUNDED
+        program.g[DELTA] = self.price * size / (OUTPUT_ACCELERATION * unit)
+        return PosedProgram(program, size)

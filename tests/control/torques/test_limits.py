@@ -7,6 +7,7 @@ import pytest
 
 from frontal_biped.control import ControllerSettings, JointLimits, QpController
 from frontal_biped.model import load_robot
+from frontal_biped.model.state import State
 from frontal_biped.virtual_constraints import StepPhase
 
 PERIOD = 1e-3  # [s]
@@ -109,7 +110,7 @@ def test_joints_stay_inside_their_range_and_speed(tight, reference_gait, outputs
     bounds = JointLimits(tight.joint_lower, tight.joint_upper, tight.joint_max_velocity, 50.0)
     binding = 0
     for q, dq, command in kept:
-        lower, upper = bounds.bounds(q, dq)
+        lower, upper = bounds.bounds(State(q, dq))
         margin = min((command.ddq - lower).min(), (upper - command.ddq).min())
         assert margin > -1e-5  # 10 rad/s^2 times the accuracy of the program
         binding += margin < 1e-3
@@ -123,14 +124,14 @@ def test_inside_the_ranges_some_acceleration_meets_every_bound(biped):
     for _ in range(500):
         q = rng.uniform(biped.joint_lower, biped.joint_upper)
         dq = rng.uniform(-1.0, 1.0, 4) * biped.joint_max_velocity
-        lower, upper = limits.bounds(q, dq)
+        lower, upper = limits.bounds(State(q, dq))
         assert np.all(upper - lower > -1e-9)
         for ddq in (lower, upper, 0.5 * (lower + upper)):
-            assert limits.keeps(q, dq, ddq + 1e-9 * np.sign(0.5 * (lower + upper) - ddq))
-        assert not limits.keeps(q, dq, upper + 1e-3)
-        assert not limits.keeps(q, dq, lower - 1e-3)
+            assert limits.keeps(State(q, dq), ddq + 1e-9 * np.sign(0.5 * (lower + upper) - ddq))
+        assert not limits.keeps(State(q, dq), upper + 1e-3)
+        assert not limits.keeps(State(q, dq), lower - 1e-3)
 
 
 def test_defaults_have_no_joint_bounds(biped, level_gait):
-    assert QpController(biped, level_gait).program.qp.joints is None
+    assert QpController(biped, level_gait).program.qp.limits.joints is None
     assert dataclasses.replace(ControllerSettings(), joint_rate=50.0).joint_rate == 50.0

@@ -11,6 +11,7 @@ from scipy.optimize import linprog, nnls
 
 from frontal_biped.control import ControllerSettings, QpController, Source
 from frontal_biped.control.torques.walking_qp import DDQ, DELTA, FORCE, VARIABLES, U
+from frontal_biped.model.state import State
 from frontal_biped.numerics.quadratic_program import UNBOUNDED
 from frontal_biped.virtual_constraints import StepPhase
 
@@ -57,20 +58,16 @@ def test_proxqp_finds_the_closed_form(solvers, name, outputs, which, s, speed, y
 
 
 # ---------------------------------------------------------------------- independent judges
-def point(controller, command):
-    """The program's variables at a command."""
-    qp = controller.program.qp
-    x = np.zeros(len(qp.program.g))
+def posed(controller, which, q, dq, command):
+    """The program at a state, whoever solved it, and its variables at a command."""
+    state = State(q, dq)
+    program, delta_unit = controller.program.pose(state, controller.targets(which, state)[0])
+    x = np.zeros(len(program.g))
     x[DDQ], x[U], x[FORCE] = command.ddq, command.u, command.force
-    x[:VARIABLES] /= qp.scale
+    x[:VARIABLES] /= controller.program.qp.scale
     if len(x) > VARIABLES:
-        x[DELTA] = command.relaxation / qp.delta_unit
-    return x
-
-
-def posed(controller, which, q, dq):
-    """The program of the tick just given, whoever solved it."""
-    return controller.program.qp.build(controller.targets(which, q, dq)[0])
+        x[DELTA] = command.relaxation / delta_unit
+    return program, x
 
 
 def optimality(program, x):
@@ -125,9 +122,9 @@ def test_a_thousand_adversarial_states(biped, reference_gait, outputs):
     controller = QpController(biped, reference_gait, settings)
     for which, q, dq in adversarial(reference_gait, 1000, seed=11):
         command = controller.command(which, q, dq)
-        program = posed(controller, which, q, dq)
+        program, x = posed(controller, which, q, dq, command)
         if command.solved:
-            violation, gradient = optimality(program, point(controller, command))
+            violation, gradient = optimality(program, x)
             assert violation < FEASIBLE
             assert gradient < STATIONARY
         else:
@@ -151,12 +148,28 @@ def test_kkt_over_a_run_with_active_limits(biped, level_gait, outputs):
         command = controller.command(StepPhase.RISING, x[:4], x[4:])
         assert command.solved
         if command.source is Source.PROGRAM:
-            program = posed(controller, StepPhase.RISING, x[:4], x[4:])
-            worst = np.maximum(worst, optimality(program, point(controller, command)))
+            worst = np.maximum(worst, optimality(*posed(controller, StepPhase.RISING, x[:4], x[4:], command)))
         x = x + 1e-3 * np.r_[x[4:], biped.forward_dynamics(x[:4], x[4:], command.u)]
     assert controller.counts[Source.PROGRAM] > 20
     assert worst[0] < FEASIBLE
     assert worst[1] < STATIONARY
+
+
+@pytest.mark.parametrize("outputs", ["linearising", "clf"])
+def test_a_posed_program_stays_that_of_its_state(biped, reference_gait, outputs):
+    settings = ControllerSettings(joint_rate=60.0, outputs=outputs, solver="proxqp")
+    controller = QpController(biped, reference_gait, settings)
+    q, dq = reference_gait.state_after_impact()
+
+    def pose(state):
+        return controller.program.pose(state, controller.targets(StepPhase.RISING, state)[0]).program
+
+    first = pose(State(q, dq))
+    kept = [part.copy() for part in first]
+    second = pose(State(q + 0.05, dq))
+    controller.command(StepPhase.RISING, q - 0.05, dq)
+    assert all(map(np.array_equal, first, kept))
+    assert not np.array_equal(first.A, second.A)  # the states do differ
 
 
 # ---------------------------------------------------------------------- what happens where there is no solution
@@ -171,8 +184,7 @@ def test_relaxed_torques_give_way_as_little_as_need_be(biped, reference_gait):
         found += 1
         w = biped.inverse_dynamics(q, dq, biped.forward_dynamics(q, dq, command.u))
         assert_close(command.force, w[:2], 1e-4, floor=biped.weight)  # physics is never relaxed
-        program = posed(controller, which, q, dq)
-        x = point(controller, command)
+        program, x = posed(controller, which, q, dq, command)
         value = program.C @ x
         overstepped = max((program.l - value).max(), (value - program.u).max())
         # the sum of squares over five contact rows against the largest of them, and what the task's weight takes

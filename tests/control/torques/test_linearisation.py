@@ -1,0 +1,53 @@
+"""Dynamics of one instant: the residuals of a motion are what their name says, and a value stays what it is."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from random_states import angles, assert_close, rates, vectors
+
+from frontal_biped.control import QpController
+from frontal_biped.control.torques.linearisation import StanceModel
+from frontal_biped.model.state import State
+from frontal_biped.virtual_constraints import StepPhase
+
+
+@given(q=vectors(-1.9, -1.2, 4), dq=vectors(-1.0, 1.0, 4), r=vectors(-5.0, 5.0, 4), p_fri=st.floats(-0.04, 0.04))
+def test_residuals_are_what_their_name_says(biped, reference_gait, q, dq, r, p_fri):
+    """A motion moved along r misses its targets by r, and inverse dynamics finds the forces it claims."""
+    a_0, T_0 = 10.0, 0.1 * biped.weight
+    dynamics = StanceModel(biped).at(State(q, dq))
+    targets = QpController(biped, reference_gait).targets(StepPhase.RISING, State(q, dq))[0]._replace(p_fri=p_fri)
+    motion = dynamics.linearising(targets)
+    along, forces_along = dynamics.along_residuals(targets, a_0, T_0)
+    k = along[0]
+    assume(np.max(np.abs(k)) < 1e4)  # elsewhere I_P vanishes, and rounding grows as 1 / I_P
+    ddq, forces = motion.ddq + along @ r, motion.forces + forces_along @ r
+    size = 1.0 + np.max(np.abs(ddq)) * np.max(np.abs(dynamics.M))
+    assert_close(biped.inverse_dynamics(q, dq, ddq), forces, 1e-10, floor=size)
+    ddy = ddq[1:] - targets.h_d1 * ddq[0] - targets.h_d2_dbeta2
+    assert_close(ddy - targets.ddy, a_0 * r[:3], 1e-9, floor=1.0 + np.max(np.abs(ddq)))
+    assert forces[2] - p_fri * forces[1] == pytest.approx(T_0 * r[3], abs=1e-10 * size)
+
+
+@given(q=angles, dq=rates, other_q=angles, other_dq=rates)
+def test_a_state_is_evaluated_once_and_for_all(biped, reference_gait, q, dq, other_q, other_dq):
+    """What is asked of one state does not depend on what is asked of others, before or in between."""
+    controller, model = QpController(biped, reference_gait), StanceModel(biped)
+    state, other = State(q, dq), State(other_q, other_dq)
+    targets, theirs = (controller.targets(StepPhase.RISING, at)[0] for at in (state, other))
+
+    def everything(dynamics):
+        motion = dynamics.linearising(targets)
+        assume(motion is not None)
+        return dynamics.M, dynamics.bias, *motion, *dynamics.along_residuals(targets, 10.0, 20.0)
+
+    alone = everything(StanceModel(biped).at(state))
+    first = model.at(state)
+    kept = [part.copy() for part in everything(first)]
+    second = model.at(other)
+    second.linearising(theirs)
+    second.along_residuals(theirs, 10.0, 20.0)
+    for part, again, fresh in zip(kept, everything(first), alone, strict=True):
+        assert np.array_equal(part, again)
+        assert np.array_equal(part, fresh)
