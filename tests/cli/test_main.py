@@ -129,7 +129,7 @@ class TestGoodInput:
         assert main(["design", "--spec", "robust", "-o", str(gait)]) == 0
         capsys.readouterr()
         assert main(["simulate", str(gait), "--stabiliser", "magic"]) == 2
-        assert "no stabiliser 'magic'; known: fixed, adaptive" in one_line(capsys)
+        assert "no stabiliser 'magic'; known: fixed, re-anchored, adaptive" in one_line(capsys)
         assert main(["simulate", str(gait), "--continuous", "--encoder-noise", "1e-4"]) == 2
         assert "give a control period" in one_line(capsys)
         assert main(["design", "--spec", "robst"]) == 2
