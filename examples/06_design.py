@@ -25,7 +25,7 @@ import frontal_biped as fb
 def main(steps: int = 3) -> None:
     """Design, certify, walk; a tighter specification; an impossible one."""
     robot = fb.load_robot("frontal_biped")
-    specification = fb.GaitSpecification(friction=0.6, step_duration=(0.4, 0.8))
+    specification = fb.GaitSpecification()
 
     result = fb.design_gait(robot, specification)
     gait = result.gait

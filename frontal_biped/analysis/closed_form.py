@@ -144,9 +144,8 @@ def analyze(
 
     Raises:
         ReversalError: the reversal cannot be bracketed.
-        SpecificationError: the gait's own specification is malformed.
     """
-    spec = specification or GaitSpecification.from_dict(dict(gait.specification), "the gait's specification")
+    spec = specification or gait.specification
     nodes = converged_nodes(biped, gait.rising, gait.falling, gait.step_width)
     step = step_orbit(biped, gait.rising, gait.falling, gait.step_width, nodes)
     hzd = HybridZeroDynamics(biped, step)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.specification import GaitSpecification
 
 OUTPUTS = ("linearising", "clf")
 SOLVERS = ("exact", "proxqp")
@@ -35,8 +36,8 @@ class ControllerSettings:
 
     frequency: float = 30.0
     damping: float = 1.0
-    friction: float = 0.6
-    min_normal_force: float = 0.1
+    friction: float = GaitSpecification.friction
+    min_normal_force: float = GaitSpecification.min_normal_force
     max_torque: tuple[float, float, float, float] | None = None
     joint_rate: float | None = None
     accuracy: float = 1e-9
@@ -55,5 +56,5 @@ class ControllerSettings:
     @classmethod
     def for_gait(cls, gait: Gait) -> "ControllerSettings":
         """Defaults, with the friction, normal force and torque limits that the gait was designed for."""
-        shared = ("friction", "min_normal_force", "max_torque")
-        return cls(**{key: gait.specification[key] for key in shared if key in gait.specification})
+        asked = gait.specification
+        return cls(friction=asked.friction, min_normal_force=asked.min_normal_force, max_torque=asked.max_torque)

@@ -32,7 +32,7 @@ class ClosedStep(NamedTuple):
         biped = problem.biped
         reference = RobotReference(biped.name, biped.path.name, biped.fingerprint)
         orbit = orbit_numbers(biped, self.step)
-        return Gait(reference, *self.phases, float(self.x[2]), orbit, problem.specification.as_dict())
+        return Gait(reference, *self.phases, float(self.x[2]), orbit, problem.specification)
 
 
 def close_step(problem: DesignProblem, x: FloatArray, newton: bool = True) -> ClosedStep:

@@ -101,7 +101,7 @@ def follow_branch(
 
 def attained(biped: FrontalBiped, gait: Gait, target: GaitSpecification) -> GaitSpecification:
     """The gait's specification, with bounds that only the target has set to what the gait attains."""
-    own = GaitSpecification.from_dict(dict(gait.specification))
+    own = gait.specification
     table = own.as_dict()
     step = gait.step(biped)
     poses = np.concatenate([orbit.motion.q for orbit in (step.rising, step.falling)])

@@ -194,7 +194,7 @@ def design_transition(
 
 def _looser(before: Gait, after: Gait) -> GaitSpecification:
     """Of each bound the looser one; a bound that one of the gaits does not have is dropped."""
-    first, second = (GaitSpecification.from_dict(dict(gait.specification)).as_dict() for gait in (before, after))
+    first, second = (gait.specification.as_dict() for gait in (before, after))
     table = {}
     for key in first.keys() & second.keys():
         a, b = first[key], second[key]

@@ -21,6 +21,7 @@ from frontal_biped.figures.style import (
     shade_phases,
     styled,
 )
+from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import JOINTS
 from frontal_biped.simulation.orbit import ORBIT
@@ -111,8 +112,7 @@ def ground_reaction(
         Three panels over time [s]: F_v [N], F_h [N] and p_FRI [mm].
     """
     run = trajectory.first_steps(steps)
-    specification = run.gait.get("specification", {})
-    mu = float(specification.get("friction", 0.6)) if friction is None else friction
+    mu = (_asked(run) or GaitSpecification()).friction if friction is None else friction
     figure, axes = panels("ground_reaction", 3, 6.0)
     vertical, horizontal, fri = axes
     t, force = by_phase(run, run.force)
@@ -160,7 +160,7 @@ def swing_foot_height(
     Args:
         biped: the robot.
         trajectory: the run.
-        clearance: swing_clearance of the specification [m]; None: the gait's own, nothing where it has none.
+        clearance: swing_clearance of the specification [m]; None: the gait's own, nothing where the run has no gait.
         steps: how many of its steps.
         ax: where to draw; None: a figure of its own.
 
@@ -168,14 +168,15 @@ def swing_foot_height(
         Heights [mm] over time [s].
     """
     run = trajectory.first_steps(steps)
-    asked = run.gait.get("specification", {}).get("swing_clearance") if clearance is None else clearance
+    specification = _asked(run)
+    asked = specification.swing_clearance if clearance is None and specification else clearance
     figure, ax = own_or_new(ax, "swing_foot_height", 3.0)
     height = 1e3 * np.array([biped.swing_sole(q)[:, 1] for q in run.q])
     t, ends = by_phase(run, height)
     ax.plot(t, ends[:, 0], color=BLUE, label="inner end")
     ax.plot(t, ends[:, 1], color=VERMILION, linestyle="--", label="outer end")
     if asked is not None:
-        _, least = by_phase(run, 1e3 * float(asked) * clearance_profile(run))
+        _, least = by_phase(run, 1e3 * asked * clearance_profile(run))
         ax.fill_between(t, 0.0, least, color=ORANGE, alpha=0.35, linewidth=0.0, label="asked for")
     ax.axhline(0.0, color=BLACK, linewidth=0.8)
     shade_phases([ax], run)
@@ -196,6 +197,12 @@ def clearance_profile(trajectory: Trajectory) -> FloatArray:
         reach = reversal - impact
         profile[span.samples] = (beta - impact) / reach if reach != 0.0 else 0.0
     return np.clip(profile, 0.0, 1.0)
+
+
+def _asked(run: Trajectory) -> GaitSpecification | None:
+    """What the gait of a run was designed for; None where the run has no gait."""
+    table = run.gait.get("specification")
+    return None if table is None else GaitSpecification.from_dict(table, "the gait of the run: specification")
 
 
 def _headroom(ax: "Axes", share: float) -> None:

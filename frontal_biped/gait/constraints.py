@@ -132,7 +132,7 @@ def step_constraints(
         end = landing.touchdown if name == "falling" else departure.lift_off / departure.speed_ratio
         heights = np.concatenate([inside[0], inside[1], end * orbit.Delta])
         add("C05", f"sole height / (1 - t2), {name}", "m", heights, spec.swing_clearance, None, 0.01, CLEARANCE)
-    torque = np.asarray(spec.max_torque) if spec.max_torque is not None else biped.max_torque
+    torque = spec.torque_limits(biped)
     low, high = biped.sole[0] + spec.fri_margin, biped.sole[1] - spec.fri_margin
     for name, orbit, _ in both:
         F_h, F_v, *_ = forces = orbit.generalized_forces

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.exceptions import GaitFileError
+from frontal_biped.exceptions import GaitFileError, SpecificationError
 from frontal_biped.files.atomic import write_text
 from frontal_biped.files.toml import as_finite
 from frontal_biped.gait.gait import Gait, OrbitNumbers, RobotReference
+from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.virtual_constraints.phase import Phase
 
 FORMAT, VERSION = "frontal-biped-gait", 1
@@ -32,7 +33,7 @@ def gait_to_dict(gait: Gait) -> dict[str, Any]:
         "falling": _phase_to_dict(gait.falling),
         "step_width": gait.step_width,
         "orbit": asdict(gait.orbit),
-        "specification": dict(gait.specification),
+        "specification": gait.specification.as_dict(),
         "provenance": dict(gait.provenance),
     }
 
@@ -42,7 +43,8 @@ def load_gait(path: Path | str) -> Gait:
 
     Raises:
         GaitFileError: the file is missing, not JSON, of another format or version, or a field is absent, unknown, of
-            the wrong type or shape, or not finite. The message names file, field, value and remedy.
+            the wrong type or shape, or not finite. The message names file, field, value and remedy. Only the
+            specification need not be complete: defaults hold where it says nothing.
     """
     return gait_from_dict(_load_json(Path(path)), str(path))
 
@@ -80,7 +82,7 @@ def gait_from_dict(table: Any, where: str) -> Gait:
         falling,
         step_width,
         OrbitNumbers(*(reader.number(orbit, "orbit", key) for key in OrbitNumbers.__dataclass_fields__)),
-        reader.table(table, "specification", None),
+        reader.specification(table),
         reader.table(table, "provenance", None),
     )
 
@@ -150,6 +152,12 @@ class _Reader:
         if fri.ndim != 1 or fri.size < 2:
             raise GaitFileError(f"{self.where}: {name}.fri_bezier has shape {fri.shape}, not one row of at least 2")
         return Phase(self.number(fields, name, "beta_start"), self.number(fields, name, "beta_end"), joints, fri)
+
+    def specification(self, table: dict[str, Any]) -> GaitSpecification:
+        try:
+            return GaitSpecification.from_dict(self.table(table, "specification", None), f"{self.where}: specification")
+        except SpecificationError as error:
+            raise GaitFileError(str(error)) from None
 
     def array(self, table: dict[str, Any], section: str, key: str) -> FloatArray:
         name = f"{self.where}: {section}.{key}"

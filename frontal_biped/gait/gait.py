@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.invariance import invariance_residuals
 from frontal_biped.virtual_constraints.phase import Phase
@@ -63,7 +64,7 @@ class Gait:
         falling: virtual constraints from reversal to impact.
         step_width: distance between the ankles [m].
         orbit: the periodic orbit.
-        specification: what it was designed for, as in a specification file.
+        specification: what it was designed for.
         provenance: versions, seed, solver status, residuals.
     """
 
@@ -72,7 +73,7 @@ class Gait:
     falling: Phase
     step_width: float
     orbit: OrbitNumbers
-    specification: Mapping[str, Any] = field(default_factory=dict)
+    specification: GaitSpecification = field(default_factory=GaitSpecification)
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     @property

@@ -44,17 +44,17 @@ class ContactMargins:
     @cached_property
     def friction(self) -> float:
         """Coefficient of friction [-]."""
-        return float(self.gait.specification.get("friction", 0.6))
+        return self.gait.specification.friction
 
     @cached_property
     def min_normal_force(self) -> float:
         """Smallest normal force, as a fraction of the weight [-]."""
-        return float(self.gait.specification.get("min_normal_force", 0.1))
+        return self.gait.specification.min_normal_force
 
     @cached_property
     def max_torque(self) -> FloatArray:
         """(4,) torque limits [N m]."""
-        return np.asarray(self.gait.specification.get("max_torque", self.biped.max_torque), dtype=float)
+        return self.gait.specification.torque_limits(self.biped)
 
     def rising(self, energy: PhaseEnergy, dbeta: float, reversal: float) -> list[Margin]:
         """Along a rising phase begun with dbeta [rad/s], up to its reversal [rad]."""

@@ -1,11 +1,13 @@
 """Gait specification: the constraints C01..C09 as data ([O] Sec. IV-A)."""
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import SpecificationError
 from frontal_biped.files.toml import finite_number, load_toml, reject_unknown_keys
 from frontal_biped.model.biped import FrontalBiped
@@ -32,9 +34,9 @@ class GaitSpecification:
         max_torque: torque limits of stance ankle, stance hip, swing hip, swing ankle [N m]; None: the robot's.
         max_multiplier: largest multiplier of the return map, below 1 [-]; None: 1 (C01).
         min_energy_margin: energy that may be added after the impact before the robot tips outwards, over the energy
-            of the orbit [-]; None: free. See `design.constraints.energy_margin`.
+            of the orbit [-]; None: free. See `gait.constraints.energy_margin`.
         max_reversal_shift: displacement of the reversal by 1 % of post-impact speed [rad]; None: free. See
-            `design.constraints.reversal_shift`.
+            `gait.constraints.reversal_shift`.
         seed: of everything random.
 
     Raises:
@@ -106,14 +108,22 @@ class GaitSpecification:
         """Degree of each output: stance hip, swing hip, swing ankle."""
         return self.degree if isinstance(self.degree, tuple) else (self.degree, self.degree, self.degree)
 
+    def torque_limits(self, biped: FrontalBiped) -> FloatArray:
+        """(4,) torque limits in the order of the chain [N m]: ``max_torque``, or the robot's."""
+        return biped.max_torque if self.max_torque is None else np.asarray(self.max_torque)
+
     def as_dict(self) -> dict[str, Any]:
         """Keys and values as they stand in a file; keys that are None are left out."""
         plain = {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(self).items()}
         return {key: value for key, value in plain.items() if value is not None}
 
     @classmethod
-    def from_dict(cls, table: dict[str, Any], where: str = "specification") -> "GaitSpecification":
-        """Specification from keys and values; unknown keys and bad values raise `SpecificationError`."""
+    def from_dict(cls, table: Mapping[str, Any], where: str = "specification") -> "GaitSpecification":
+        """Specification from keys and values, defaults where it says nothing; ``where`` begins every complaint.
+
+        Raises:
+            SpecificationError: a key is unknown, a value of the wrong type or out of range.
+        """
         reject_unknown_keys(where, table, [field.name for field in fields(cls)], SpecificationError)
         try:
             values: dict[str, Any] = {key: tuple(v) if isinstance(v, list) else v for key, v in table.items()}
@@ -137,7 +147,7 @@ def default_specification(biped: FrontalBiped) -> GaitSpecification:
     Raises:
         SpecificationError: the table has an unknown key, or a value of the wrong type or range.
     """
-    return GaitSpecification.from_dict(dict(biped.description.gait), f"{biped.path}: [gait]")
+    return GaitSpecification.from_dict(biped.description.gait, f"{biped.path}: [gait]")
 
 
 _DEGREES = (3, 12)  # below 3 the determined columns meet; above 12 the basis is too ill-conditioned to help

@@ -56,7 +56,7 @@ def orbit_trajectory(biped: FrontalBiped, gait: Gait, steps: int = 4, samples: i
         robot=biped.name,
         outcome="completed",
         steps_completed=steps,
-        gait={"specification": dict(gait.specification)},
+        gait={"specification": gait.specification.as_dict()},
         settings={"source": ORBIT},
     )
 

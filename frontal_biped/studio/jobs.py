@@ -203,7 +203,7 @@ def shipped_gait(name: str) -> Gait | None:
 def opening(tell: Tell, name: str, specification: GaitSpecification) -> Designed:
     """The first gait of a robot: the one that comes with it where it suits the specification, or a design."""
     gait = shipped_gait(name)
-    if gait is None or dict(gait.specification) != specification.as_dict():
+    if gait is None or gait.specification != specification:
         return design(tell, name, specification, gait)
     biped = robot(name)
     report = check_constraints(biped, specification, gait.rising, gait.falling, gait.step(biped))

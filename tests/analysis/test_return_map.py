@@ -169,9 +169,9 @@ def test_robust_gait_under_the_ankle_law_returns_from_far(biped, robust_gait):
         run = simulate(biped, robust_gait, steps=6, speed_error=error, stabiliser="ankle", simulation_settings=SETTINGS)
         assert run.outcome == "completed"
         assert run.post_impact_states()[-1, 4] == pytest.approx(robust_gait.orbit.beta_dot_after_impact, rel=1e-4)
-        friction = robust_gait.specification["friction"]
+        friction = robust_gait.specification.friction
         assert np.all(np.abs(run.force[:, 0]) < friction * run.force[:, 1])
-        assert np.all(run.force[:, 1] > robust_gait.specification["min_normal_force"] * biped.weight)
+        assert np.all(run.force[:, 1] > robust_gait.specification.min_normal_force * biped.weight)
         outer, inner = biped.sole
         assert np.all((run.p_fri > outer) & (run.p_fri < inner))
         assert np.max(np.abs(run.output_error)) < INVARIANCE

@@ -114,7 +114,7 @@ class TestGoodInput:
     def test_robust_gait_walks_in_noise_from_a_wrong_speed(self, tmp_path, capsys):
         gait = tmp_path / "robust.json"
         assert main(["design", "--spec", "robust", "-o", str(gait)]) == 0
-        assert load_gait(gait).specification["fri_margin"] == 0.03
+        assert load_gait(gait).specification.fri_margin == 0.03
         noise = ["--encoder-noise", "1e-4", "--torque-noise", "0.01", "--seed", "3"]
         walk = ["simulate", str(gait), "--steps", "2", "--speed-error", "0.5", "--stabiliser", "ankle", *noise]
         capsys.readouterr()
@@ -141,7 +141,7 @@ class TestGoodInput:
         gait = tmp_path / "gait.json"
         assert main(["design", "--spec", str(spec), "-o", str(gait)]) == 0
         stored = load_gait(gait)
-        assert stored.specification["max_pelvis_roll"] == 0.05
+        assert stored.specification.max_pelvis_roll == 0.05
         assert 0.2 <= stored.step_width <= 0.3
         assert main(["analyze", str(gait), "--json"]) == 0
         capsys.readouterr()

@@ -66,7 +66,7 @@ class TestDesignedGait:
             assert code in text
 
     def test_specification_travels_with_the_gait(self, result):
-        specification = GaitSpecification.from_dict(dict(result.gait.specification))
+        specification = result.gait.specification
         expected = 0.0 if specification.max_pelvis_roll is None else np.radians(5.0)
         assert (specification.max_pelvis_roll or 0.0) == pytest.approx(expected)
 
@@ -75,7 +75,7 @@ class TestDesignedGait:
 def test_constraints_by_hand_on_a_random_grid(biped, level_design, direction):
     """C05, C06 and the pelvis, from positions and inverse dynamics at points no grid contains."""
     gait = level_design.gait
-    spec = GaitSpecification.from_dict(dict(gait.specification))
+    spec = gait.specification
     phase = gait.rising if direction > 0 else gait.falling
     tau = np.sort(np.random.default_rng(direction + 1).uniform(0.0, 1.0, 200))
     orbit = resample(biped, phase, phase_orbit(biped, phase, direction, 40), tau)
@@ -98,7 +98,7 @@ def test_impact_constraints_by_hand(biped, reference_design):
     from frontal_biped.model import impact
 
     gait = reference_design.gait
-    spec = GaitSpecification.from_dict(dict(gait.specification))
+    spec = gait.specification
     orbit = phase_orbit(biped, gait.falling, -1, 40)
     q, dq = orbit.motion.q[-1], orbit.motion.dq[-1] * orbit.dbeta[-1]
     rounding = 1e-8
@@ -146,7 +146,7 @@ def test_report_finds_a_violation(biped, reference_design, code, word, change):
 
 def test_dense_grid_and_coarse_grid_agree(biped, reference_design):
     gait = reference_design.gait
-    spec = GaitSpecification.from_dict(dict(gait.specification))
+    spec = gait.specification
     step = gait.step(biped, 40)
     coarse = check_constraints(biped, spec, gait.rising, gait.falling, step, points=161)
     for dense, rough in zip(reference_design.report.checks, coarse.checks, strict=True):

@@ -97,7 +97,7 @@ def test_derivatives_against_differences(biped, narrow, wide):
 
 def test_a_gait_is_a_transition_to_itself(biped, narrow):
     """The periodic gait solves its own transition problem: both equalities vanish at its variables."""
-    specification = GaitSpecification.from_dict(dict(narrow.specification))
+    specification = narrow.specification
     problem = TransitionProblem(biped, specification, 40, narrow, narrow)
     x = DesignProblem(biped, specification, 40).variables(narrow)
     assert_close(problem.evaluate(x).equality, np.zeros(2), JOINED, floor=1.0)

@@ -10,6 +10,7 @@ import pytest
 from frontal_biped.exceptions import GaitFileError
 from frontal_biped.gait.file import load_gait, save_gait
 from frontal_biped.gait.gait import converged_nodes, quadrature_error
+from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.zero_dynamics.poincare import step_orbit
 
 RESIDUAL = 1e-9
@@ -34,7 +35,7 @@ class TestRoundTrip:
         assert loaded.step_width == reference_gait.step_width
         assert loaded.orbit == reference_gait.orbit
         assert loaded.robot == reference_gait.robot
-        assert dict(loaded.specification) == dict(reference_gait.specification)
+        assert loaded.specification == reference_gait.specification
         assert dict(loaded.provenance) == dict(reference_gait.provenance)
 
     def test_saved_again_byte_for_byte(self, gait_file, tmp_path):
@@ -50,6 +51,18 @@ class TestRoundTrip:
         save_gait(replace(reference_gait, rising=rising), path)
         loaded = load_gait(path).rising.fri_bezier
         assert loaded.tobytes() == awkward.tobytes()
+
+    @pytest.mark.parametrize(
+        ("table", "expected"),
+        [({}, GaitSpecification()), ({"friction": 0.3, "degree": 6}, GaitSpecification(friction=0.3, degree=6))],
+    )
+    def test_what_a_specification_leaves_out_is_the_default(self, gait_file, table, expected):
+        content = json.loads(gait_file.read_text(encoding="utf-8"))
+        gait_file.write_text(json.dumps(content | {"specification": table}), encoding="utf-8")
+        loaded = load_gait(gait_file)
+        assert loaded.specification == expected
+        save_gait(loaded, gait_file)
+        assert json.loads(gait_file.read_text(encoding="utf-8"))["specification"] == expected.as_dict()
 
     def test_loaded_gait_is_still_one(self, biped, gait_file):
         residuals = load_gait(gait_file).residuals(biped)
@@ -216,7 +229,19 @@ MALFORMED = {
     "orbit missing": (edit("orbit", remove=True), ("orbit",)),
     "cost missing": (edit("orbit", "cost", remove=True), ("orbit.cost", "finite number")),
     "multiplier a text": (edit("orbit", "multiplier", value="0.7"), ("orbit.multiplier", "0.7")),
+    "specification missing": (edit("specification", remove=True), ("specification",)),
     "specification a list": (edit("specification", value=[]), ("specification",)),
+    "unknown key of the specification": (
+        edit("specification", "frction", value=0.6),
+        ("specification: unknown key 'frction'", "did you mean 'friction'"),
+    ),
+    "friction a text": (edit("specification", "friction", value="high"), ("specification: friction", "high")),
+    "friction negative": (edit("specification", "friction", value=-0.6), ("specification: friction = -0.6",)),
+    "three torque limits": (
+        edit("specification", "max_torque", value=[40.0, 90.0, 90.0]),
+        ("specification: max_torque", "list of 4 numbers"),
+    ),
+    "a width that is no range": (edit("specification", "step_width", value=[0.3, 0.2]), ("step_width", "range")),
     "provenance missing": (edit("provenance", remove=True), ("provenance",)),
 }
 

@@ -38,7 +38,7 @@ def test_every_point_has_a_verified_gait(biped, sweep, built):
         step = gait.step(biped)
         assert max(gait.residuals(biped, step).values()) < RESIDUAL
         assert check_constraints(biped, point.specification, gait.rising, gait.falling, step).satisfied
-        assert dict(gait.specification) == point.specification.as_dict()
+        assert gait.specification == point.specification
 
 
 def test_index(sweep, built):

@@ -72,8 +72,8 @@ class TestContinuousControl:
             assert np.max(np.abs(0.5 * sigma**2 - expected)) < ZETA_ON_RUN * np.max(expected)
 
     def test_contact_constraints_hold_along_the_run(self, run, biped, gait):
-        friction = gait.specification["friction"]
-        assert np.all(run.force[:, 1] > gait.specification["min_normal_force"] * biped.weight)
+        friction = gait.specification.friction
+        assert np.all(run.force[:, 1] > gait.specification.min_normal_force * biped.weight)
         assert np.all(np.abs(run.force[:, 0]) < friction * run.force[:, 1])
         outer, inner = biped.sole
         assert np.all((run.p_fri > outer) & (run.p_fri < inner))

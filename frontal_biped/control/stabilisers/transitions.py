@@ -145,8 +145,7 @@ class ReanchoringTransitions:
     @cached_property
     def _limits(self) -> tuple[FloatArray, float]:
         spec = self.gait.specification
-        torque = np.asarray(spec.get("max_torque", self.biped.max_torque), dtype=float)
-        return torque, float(spec.get("friction", 0.6))
+        return spec.torque_limits(self.biped), spec.friction
 
     @cached_property
     def _planned_energy(self) -> PhaseEnergy:

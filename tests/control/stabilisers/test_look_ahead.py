@@ -76,7 +76,7 @@ def test_falling_phase_starts_on_the_rising_one(biped, level_gait):
 @pytest.mark.slow
 def test_basin_covers_the_interval_of_the_design(biped, gait):
     basin = RestrictedMap(biped, gait, make_stabiliser("adaptive", biped, gait)).basin()
-    low, high = BOUNDS["level" if gait.specification.get("max_pelvis_roll", 1.0) < 0.1 else "reference"]
+    low, high = BOUNDS["level" if (gait.specification.max_pelvis_roll or 1.0) < 0.1 else "reference"]
     assert basin.low <= 1.0 + low
     assert basin.high >= 1.0 + high
 
@@ -98,8 +98,8 @@ def test_full_model_returns_within_its_limits(biped, request, name, error):
     found = run.post_impact_states()[:, 4] / gait.orbit.beta_dot_after_impact
     assert found == pytest.approx(speeds, rel=MAP)
     assert np.max(np.abs(run.output_error)) < INVARIANCE
-    assert np.all(np.abs(run.force[:, 0]) < gait.specification["friction"] * run.force[:, 1])
-    assert np.all(run.force[:, 1] > gait.specification["min_normal_force"] * biped.weight)
+    assert np.all(np.abs(run.force[:, 0]) < gait.specification.friction * run.force[:, 1])
+    assert np.all(run.force[:, 1] > gait.specification.min_normal_force * biped.weight)
     outer, inner = biped.sole
     assert np.all((run.p_fri > outer) & (run.p_fri < inner))
     assert np.all(np.abs(run.u) < biped.max_torque)
