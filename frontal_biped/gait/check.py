@@ -5,12 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from frontal_biped.arrays import FloatArray
-from frontal_biped.gait.constraints import Constraint, SoleHeights, step_constraints
+from frontal_biped.gait.constraints import Constraint, SoleHeights, sole_heights, step_constraints
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.phase import Phase
-from frontal_biped.zero_dynamics.orbit import PhaseOrbit, resample
+from frontal_biped.zero_dynamics.orbit import resample
 from frontal_biped.zero_dynamics.poincare import Landing, StepOrbit
 
 DENSE_POINTS = 641
@@ -112,7 +111,13 @@ def check_constraints(
         points: of the grid, both ends included.
         departure: the impact that the step begins with, where it is not the one it ends with.
     """
-    constraints = dense_constraints(biped, specification, rising, falling, step, points, departure)
+    tau = np.linspace(0.0, 1.0, points)
+    up = resample(biped, rising, step.rising, tau)
+    down = resample(biped, falling, step.falling, tau)
+    soles = SoleHeights(*(sole_heights(biped, orbit.motion.q) for orbit in (up, down)))
+    # the duration is an integral and keeps the accuracy of the quadrature
+    dense = step._replace(rising=up, falling=down)
+    constraints = step_constraints(biped, specification, dense, soles, step.duration, departure)
     checks = [_worst(constraint) for constraint in constraints]
     ends = biped.swing_sole(step.falling.motion.q[-1])[:, 1]
     flat = float(np.max(np.abs(ends)))
@@ -131,38 +136,14 @@ def check_constraints(
     return ConstraintReport(tuple(checks), points)
 
 
-def dense_constraints(
-    biped: FrontalBiped,
-    specification: GaitSpecification,
-    rising: Phase,
-    falling: Phase,
-    step: StepOrbit,
-    points: int = DENSE_POINTS,
-    departure: Landing | None = None,
-) -> list[Constraint]:
-    """The constraints of a step on a uniform grid in tau."""
-    tau = np.linspace(0.0, 1.0, points)
-    up = resample(biped, rising, step.rising, tau)
-    down = resample(biped, falling, step.falling, tau)
-    soles = SoleHeights(_soles(biped, up), _soles(biped, down))
-    # the duration is an integral and keeps the accuracy of the quadrature
-    dense = step._replace(rising=up, falling=down)
-    return step_constraints(biped, specification, dense, soles, step.duration, departure)
-
-
-def _soles(biped: FrontalBiped, orbit: PhaseOrbit) -> FloatArray:
-    return np.array([biped.swing_sole(q)[:, 1] for q in orbit.motion.q]).T
-
-
 def _worst(constraint: Constraint) -> ConstraintCheck:
     values = np.atleast_1d(constraint.values)
     candidates = []
-    for bound, sign in ((constraint.lower, 1.0), (constraint.upper, -1.0)):
-        if bound is not None:
-            margins = sign * (values - bound)
-            # nan, where the orbit does not exist, is the worst of all
-            worst = int(np.argmin(np.where(np.isnan(margins), -np.inf, margins)))
-            candidates.append((float(margins[worst]) + 0.0, float(values[worst]), float(bound)))  # + 0.0: no -0
+    for bound, sign in constraint.sides():
+        margins = sign * (values - bound)
+        # nan, where the orbit does not exist, is the worst of all
+        worst = int(np.argmin(np.where(np.isnan(margins), -np.inf, margins)))
+        candidates.append((float(margins[worst]) + 0.0, float(values[worst]), float(bound)))  # + 0.0: no -0
     margin, value, bound = min(candidates, key=lambda row: -np.inf if np.isnan(row[0]) else row[0])
     rounding = ROUNDING * constraint.scale
     satisfied = margin > 0.0 if constraint.strict else margin >= -rounding

@@ -1,19 +1,27 @@
-"""Room left to the contact and torque limits along a phase of the zero dynamics, and at the impact that ends it."""
+"""Room left to the contact and torque limits along a phase of the zero dynamics, and at the impact that ends it.
 
-from dataclasses import dataclass
+The limits are C04 to C08 of the gait's specification (`gait.constraints`), less the reserves that a plan keeps for
+perturbations: here the perturbation has come, so the FRI may go to the end of the sole (no ``fri_margin``), the swing
+foot down to the ground (no ``swing_clearance``), and land as softly as it likes (no ``touchdown_speed``). Friction,
+normal force and torques are limits of the ground and of the motors, and hold as specified.
+"""
+
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from frontal_biped.arrays import FloatArray
+from frontal_biped.gait.constraints import Constraint, clearance_limit, impact_limits, phase_limits, sole_heights
 from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.zero_dynamics.energy import PhaseEnergy
 from frontal_biped.zero_dynamics.half_steps import landing_at_end, speed_at_end
 from frontal_biped.zero_dynamics.poincare import Landing
-from frontal_biped.zero_dynamics.restricted import F_H, F_V, TORQUES
+from frontal_biped.zero_dynamics.restricted import F_V
 
-ALONG = ("friction", "normal force", "FRI in the sole", "torque", "swing foot clearance")
+LIFTED = 1e-3
+"""Share 1 - t2 of a phase below which touchdown or lift-off speak for the swing foot: both it and its height vanish."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +30,8 @@ class Margin:
 
     Attributes:
         name: of the limit.
-        value: room, positive inside, in units of a typical size of the quantity [-].
+        value: room, positive inside, as a share of what the limit leaves: of the coefficient 1 and of the weight, of
+            the width of the sole, of the torque limit; else in units of the constraint's `scale` [-].
     """
 
     name: str
@@ -42,19 +51,19 @@ class ContactMargins:
     gait: Gait
 
     @cached_property
-    def friction(self) -> float:
-        """Coefficient of friction [-]."""
-        return self.gait.specification.friction
+    def limits(self) -> GaitSpecification:
+        """The gait's specification without the reserves of a plan."""
+        return replace(self.gait.specification, fri_margin=0.0, swing_clearance=0.0, touchdown_speed=0.0)
 
     @cached_property
-    def min_normal_force(self) -> float:
-        """Smallest normal force, as a fraction of the weight [-]."""
-        return self.gait.specification.min_normal_force
+    def _max_torque(self) -> list[float]:
+        most: list[float] = self.limits.torque_limits(self.biped).tolist()
+        return most
 
     @cached_property
-    def max_torque(self) -> FloatArray:
-        """(4,) torque limits [N m]."""
-        return self.gait.specification.torque_limits(self.biped)
+    def _sole_width(self) -> float:
+        outer, inner = self.biped.sole
+        return inner - outer
 
     def rising(self, energy: PhaseEnergy, dbeta: float, reversal: float) -> list[Margin]:
         """Along a rising phase begun with dbeta [rad/s], up to its reversal [rad]."""
@@ -70,48 +79,64 @@ class ContactMargins:
         impact = self._at_impact(landing_at_end(self.biped, energy), speed_at_end(energy))
         return [*self._along("falling", energy, 0.0, reversal, energy.end), *impact]
 
+    def load(self, energy: PhaseEnergy, zeta: float) -> float:
+        """Largest torque and friction of a phase that begins with zeta, up to where it reverses, over their limits [-].
+
+        Args:
+            energy: of the phase.
+            zeta: at its start [kg^2 m^4/s^2].
+        """
+        parts = []
+        for panel in energy.panels:
+            left = panel.left(zeta)
+            moving = left >= 0.0
+            if not np.any(moving):
+                break
+            parts.append((panel.forces(left)[:, moving], panel.restricted.p_fri[moving]))
+        if not parts:
+            return 0.0
+        forces, p_fri = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
+        if np.any(forces[F_V] <= 0.0):
+            return float("inf")
+        limits = phase_limits(self.biped, self.limits, forces, p_fri, "rising")
+        pairs = ((limits.friction, self.limits.friction), *zip(limits.torques, self._max_torque, strict=True))
+        return max(float(np.max(np.abs(limit.values))) / most for limit, most in pairs)
+
     def _along(self, name: str, energy: PhaseEnergy, zeta: float, reversal: float, foot_end: float) -> list[Margin]:
         """Contact constraints along a phase; ``foot_end`` is where the swing foot is on the ground [rad]."""
-        outer, inner = self.biped.sole
-        worst = dict.fromkeys(ALONG, np.inf)
+        parts = []
         for panel in energy.panels:
-            beta = panel.motion.q[:, 0]
-            inside = beta <= reversal + 1e-12
+            inside = panel.motion.q[:, 0] <= reversal + 1e-12
             if not np.any(inside):
                 break
-            value = np.exp(panel.growth(beta)) * (zeta - panel.spent(beta))
-            dynamics = panel.restricted
-            speed_squared = np.maximum(2.0 * value, 0.0) / dynamics.I_P**2
-            A, B, G = dynamics.projected
-            forces = (A * dynamics.acceleration(speed_squared) + B * speed_squared + G)[:, inside]
-            p = dynamics.p_fri[inside]
-            share = (beta[inside] - foot_end) / (reversal - foot_end)
-            lifted = share > 1e-3
-            found = {
-                "friction": self.friction - np.abs(forces[F_H] / forces[F_V]),
-                "normal force": forces[F_V] / self.biped.weight - self.min_normal_force,
-                "FRI in the sole": np.minimum(p - outer, inner - p) / (inner - outer),
-                "torque": np.min(1.0 - np.abs(forces[TORQUES]) / self.max_torque[:, None], axis=0),
-                "swing foot clearance": np.array(
-                    [
-                        self.biped.swing_sole(q)[:, 1].min() / (0.01 * s)
-                        for q, s in zip(panel.motion.q[inside][lifted], share[lifted], strict=True)
-                    ]
-                ),
-            }
-            for key, values in found.items():
-                worst[key] = min(worst[key], float(np.min(values, initial=np.inf)))
-        return [Margin(f"{key}, {name}", value) for key, value in worst.items()]
+            forces = panel.forces(panel.left(zeta))
+            parts.append((panel.motion.q[inside].T, forces[:, inside], panel.restricted.p_fri[inside]))
+        q, forces, p_fri = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
+        share = (q[0] - foot_end) / (reversal - foot_end)
+        lifted = share > LIFTED
+        heights = sole_heights(self.biped, q.T[lifted])
+        limits = phase_limits(self.biped, self.limits, forces, p_fri, name)
+        clearance = clearance_limit(self.limits, heights, share[lifted], name)
+        rooms = {
+            "friction": _room(limits.friction, 1.0),
+            "normal force": _room(limits.normal_force, 1.0),
+            "FRI in the sole": _room(limits.fri, self._sole_width),
+            "torque": min(_room(torque, most) for torque, most in zip(limits.torques, self._max_torque, strict=True)),
+            "swing foot clearance": _room(clearance, clearance.scale),
+        }
+        return [Margin(f"{key}, {name}", value) for key, value in rooms.items()]
 
     def _at_impact(self, landing: Landing, dbeta: float) -> list[Margin]:
-        outer, inner = self.biped.sole
-        L = landing.impulse * dbeta
-        lever = float(L[2] / L[1])
+        limits = impact_limits(self.biped, self.limits, landing, dbeta)
         return [
-            Margin("touchdown speed", float(np.min(-landing.touchdown * dbeta)) / 0.05),
-            Margin("normal impulse", float(L[1]) / (0.1 * self.biped.mass)),
-            Margin("impulse in the friction cone", self.friction - abs(float(L[0] / L[1]))),
-            # the landing foot is mirrored: its inner end points towards -h
-            Margin("impulse in the sole", min(lever + inner, -outer - lever) / (inner - outer)),
-            Margin("lift-off of the old stance foot", float(np.min(landing.lift_off * dbeta)) / 0.05),
+            Margin("touchdown speed", _room(limits.touchdown, limits.touchdown.scale)),
+            Margin("normal impulse", _room(limits.normal_impulse, limits.normal_impulse.scale)),
+            Margin("impulse in the friction cone", _room(limits.friction, 1.0)),
+            Margin("impulse in the sole", _room(limits.center_of_pressure, self._sole_width)),
+            Margin("lift-off of the old stance foot", _room(limits.lift_off, limits.lift_off.scale)),
         ]
+
+
+def _room(limit: Constraint, unit: float) -> float:
+    """Least distance to the bounds, negative outside, over a unit."""
+    return min(float(np.min(sign * (limit.values - bound), initial=np.inf)) for bound, sign in limit.sides()) / unit

@@ -246,4 +246,4 @@ class FrontalBiped:
     @staticmethod
     def swing_foot_rotation(q: FloatArray) -> FloatArray:
         """Absolute rotation of the swing foot, zero when flat [rad]; q (..., 4)."""
-        return q.sum(axis=-1) - 4.0 * UPRIGHT
+        return q[..., 0] + q[..., 1] + q[..., 2] + q[..., 3] - 4.0 * UPRIGHT

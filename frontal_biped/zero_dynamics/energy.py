@@ -21,7 +21,7 @@ from frontal_biped.exceptions import ReversalError
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.numerics.chebyshev_series import PLACES, Series, integral
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase
-from frontal_biped.zero_dynamics.restricted import F_H, F_V, TORQUES, RestrictedDynamics, on_constraints, restrict
+from frontal_biped.zero_dynamics.restricted import RestrictedDynamics, on_constraints, restrict
 
 LARGEST_EXPONENT = 200.0
 """Bound on the change of Gamma over a panel; a gait's is below 1."""
@@ -46,8 +46,17 @@ class Panel:
     end: float
     motion: ConstrainedMotion
     restricted: RestrictedDynamics
-    growth: "Series"
-    spent: "Series"
+    growth: Series
+    spent: Series
+
+    def left(self, zeta: float) -> FloatArray:
+        """(n,) what is left of zeta at the start of the phase [kg^2 m^4/s^2]; negative past a reversal."""
+        beta = self.motion.q[:, 0]
+        return np.exp(self.growth(beta)) * (zeta - self.spent(beta))
+
+    def forces(self, left: FloatArray) -> FloatArray:
+        """(7, n) rows F_h, F_v [N], N_0, u_1..u_4 [N m] where zeta is ``left`` (n,) [kg^2 m^4/s^2]."""
+        return self.restricted.forces(2.0 * np.maximum(left, 0.0) / self.restricted.I_P**2)
 
 
 @dataclass(frozen=True)
@@ -108,30 +117,6 @@ class PhaseEnergy:
             panels.append(new)
             gamma, energy = float(new.growth(panel.end)), float(new.spent(panel.end))
         return PhaseEnergy(tuple(panels), self.complete, self.reaches_barrier, self.why)
-
-    def load(self, zeta: float, max_torque: FloatArray, friction: float) -> float:
-        """Largest torque and friction of a step that begins with zeta, up to where it reverses, over their limits [-].
-
-        Args:
-            zeta: [kg^2 m^4/s^2].
-            max_torque: (4,) [N m].
-            friction: coefficient of friction [-].
-        """
-        largest = 0.0
-        for panel in self.panels:
-            beta = panel.motion.q[:, 0]
-            left = np.exp(panel.growth(beta)) * (zeta - panel.spent(beta))
-            moving = left >= 0.0
-            if not np.any(moving):
-                break
-            A, B, G = panel.restricted.projected
-            squared = 2.0 * np.maximum(left, 0.0) / panel.restricted.I_P**2
-            forces = (A * panel.restricted.acceleration(squared) + B * squared + G)[:, moving]
-            if np.any(forces[F_V] <= 0.0):
-                return float("inf")
-            torque = np.max(np.abs(forces[TORQUES]) / max_torque[:, None])
-            largest = max(largest, float(torque), float(np.max(np.abs(forces[F_H] / forces[F_V]))) / friction)
-        return largest
 
     def reversal(self, dbeta: float) -> float:
         """Where a rising phase begun with dbeta [rad/s] reverses [rad].

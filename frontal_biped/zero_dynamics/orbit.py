@@ -77,8 +77,7 @@ class PhaseOrbit:
     @cached_property
     def generalized_forces(self) -> FloatArray:
         """(7, n) rows F_h, F_v [N], N_0, u_1..u_4 [N m] on the orbit."""
-        A, B, G = self.restricted.projected
-        return A * self.ddbeta + B * self.dbeta**2 + G
+        return self.restricted.forces(self.dbeta**2)
 
     @cached_property
     def time_density(self) -> FloatArray:

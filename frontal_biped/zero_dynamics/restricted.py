@@ -108,6 +108,11 @@ class RestrictedDynamics:
         B = self.projected.B
         return (self.kappa_2 - (B[N_0] - self.p_fri * B[F_V]) * dbeta_squared) / self.I_P
 
+    def forces(self, dbeta_squared: FloatArray) -> FloatArray:
+        """(7, n) rows F_h, F_v [N], N_0, u_1..u_4 [N m] at the given dbeta^2 (n,) [rad^2/s^2]."""
+        A, B, G = self.projected
+        return A * self.acceleration(dbeta_squared) + B * dbeta_squared + G
+
 
 def on_constraints(biped: FrontalBiped, phase: Phase, beta: FloatArray) -> tuple[ConstrainedMotion, RestrictedDynamics]:
     """Virtual constraints of a phase at beta (n,) [rad], and the zero dynamics there."""

@@ -14,6 +14,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.margins import ContactMargins
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.anchoring import (
     ContinuedPhase,
@@ -137,15 +138,14 @@ class ReanchoringTransitions:
                 value = energy.highest
                 if energy.reaches_barrier:
                     required = energy.at(planned.beta_end)[1]
-                    value = -energy.load(0.5 * (required + energy.highest), *self._limits)
+                    value = -self._limits.load(energy, 0.5 * (required + energy.highest))
                 if (energy.reaches_barrier, value) > rank:
                     best, rank = phase, (energy.reaches_barrier, value)
         return best
 
     @cached_property
-    def _limits(self) -> tuple[FloatArray, float]:
-        spec = self.gait.specification
-        return spec.torque_limits(self.biped), spec.friction
+    def _limits(self) -> ContactMargins:
+        return ContactMargins(self.biped, self.gait)
 
     @cached_property
     def _planned_energy(self) -> PhaseEnergy:
@@ -177,7 +177,7 @@ class ReanchoringTransitions:
             return phase
         if zeta <= energy.at(phase.beta_end)[1]:
             return phase
-        if zeta < energy.highest and energy.load(zeta, *self._limits) < FULL_LOAD:
+        if zeta < energy.highest and self._limits.load(energy, zeta) < FULL_LOAD:
             return phase
         return stretch_to_reversal(self.biped, phase, landed.dbeta)
 
