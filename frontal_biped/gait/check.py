@@ -6,14 +6,18 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.gait.constraints import Constraint, SoleHeights, sole_heights, step_constraints
+from frontal_biped.gait.gait import MIN_NODES
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.phase import Phase
 from frontal_biped.zero_dynamics.orbit import resample
 from frontal_biped.zero_dynamics.poincare import Landing, StepOrbit
 
-DENSE_POINTS = 641
-"""Points a phase of the check; the optimiser has 16 nodes, so the grid is 40 times denser."""
+DENSER = 40
+"""Intervals of the check for each of the `MIN_NODES` that an orbit is integrated on, which are the optimiser's."""
+
+DENSE_POINTS = DENSER * MIN_NODES + 1
+"""Points a phase of the check."""
 
 FLAT_TOLERANCE = 1e-9
 """Height [m] at which a sole end counts as on the ground at impact (C04)."""
