@@ -15,7 +15,7 @@ from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.margins import ContactMargins, Margin
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
 from frontal_biped.zero_dynamics.energy import PhaseEnergy
 from frontal_biped.zero_dynamics.half_steps import Landed, falling_energy, land_on_constraints, rising_energy
 
@@ -54,8 +54,8 @@ class RestrictedStep:
 
     start: Landed
     reversal: float
-    rising: Phase
-    falling: Phase
+    rising: RisingConstraints
+    falling: VirtualConstraints
     landed: Landed
     width: float
     margins: tuple[Margin, ...]
@@ -93,7 +93,7 @@ class RestrictedMap:
     def __init__(self, biped: FrontalBiped, gait: Gait, stabiliser: Stabiliser) -> None:
         self.biped, self.gait, self.stabiliser = biped, gait, stabiliser
         self.limits = ContactMargins(biped, gait)
-        self._last: tuple[Phase, PhaseEnergy] | None = None
+        self._last: tuple[RisingConstraints, PhaseEnergy] | None = None
 
     def start(self, speed_ratio: float = 1.0) -> Landed:
         """After the impact of the gait, its speed multiplied."""

@@ -1,8 +1,9 @@
 """The walking controller: virtual constraints and FRI target through the quadratic program."""
 
 import logging
+from collections.abc import Callable
 from math import isfinite
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -17,8 +18,11 @@ from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.state import State
-from frontal_biped.virtual_constraints.phase import Phase, StepPhase
+from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
+from frontal_biped.virtual_constraints.phase import StepPhase
 from frontal_biped.zero_dynamics.half_steps import Landed
+
+Constraints = TypeVar("Constraints", bound=VirtualConstraints)
 
 _log = logging.getLogger(__name__)
 
@@ -98,7 +102,11 @@ class QpController:
         self._last: Command | None = None
         self.stabiliser: Stabiliser = FixedTransitions(gait) if stabiliser is None else stabiliser
         self._fallback = ReanchoringTransitions(biped, gait)
-        self._phases = {StepPhase.RISING: gait.rising, StepPhase.FALLING: gait.falling}
+        self._rising: RisingConstraints = gait.rising
+        self._phases: dict[StepPhase, VirtualConstraints] = {
+            StepPhase.RISING: gait.rising,
+            StepPhase.FALLING: gait.falling,
+        }
 
     @property
     def ticks(self) -> int:
@@ -122,20 +130,22 @@ class QpController:
 
     def begin(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> None:
         """A phase begins at q (4,) [rad], dq (4,) [rad/s]: ask the stabiliser for its virtual constraints."""
-        self._phases[phase] = self._next_phase(self.stabiliser, phase, State(q, dq))
+        if phase is StepPhase.FALLING:
+            reversal = float(q[0])
+            self._phases[phase] = self._chosen(lambda by: by.falling(self._rising, reversal)) or self.gait.falling
+        else:
+            rate = float(dq[0])
+            landed = Landed(q.copy(), dq[1:] / rate if rate else np.zeros(BODY_JOINTS), rate)
+            self._phases[phase] = self._rising = self._chosen(lambda by: by.rising(landed)) or self.gait.rising
 
-    def _next_phase(self, stabiliser: Stabiliser, phase: StepPhase, state: State) -> Phase:
-        rate = state.dbeta
-        try:
-            if phase is StepPhase.FALLING:
-                return stabiliser.falling(self._phases[StepPhase.RISING], state.beta)
-            slope = state.dq[1:] / rate if rate else np.zeros(BODY_JOINTS)
-            return stabiliser.rising(Landed(state.q.copy(), slope, rate))
-        except (ReversalError, UnreachablePoseError):
-            if stabiliser is self._fallback:
-                return self.gait.rising if phase is StepPhase.RISING else self.gait.falling
-            self.declined += 1
-            return self._next_phase(self._fallback, phase, state)
+    def _chosen(self, ask: Callable[[Stabiliser], Constraints]) -> Constraints | None:
+        """What the stabiliser answers, or where it has no answer the fallback; None where that has none either."""
+        for stabiliser in (self.stabiliser, self._fallback):
+            try:
+                return ask(stabiliser)
+            except (ReversalError, UnreachablePoseError):
+                self.declined += stabiliser is not self._fallback
+        return None
 
     def command(self, phase: StepPhase, q: FloatArray, dq: FloatArray, fri_shift: float = 0.0) -> Command:
         """Torques at a state.
@@ -205,6 +215,6 @@ class QpController:
         held = (self._last or none)._replace(source=Source.HELD)
         return held if y is None or dy is None or p_fri is None else held._replace(y=y, dy=dy, p_fri_target=p_fri)
 
-    def phase(self, phase: StepPhase) -> Phase:
+    def phase(self, phase: StepPhase) -> VirtualConstraints:
         """Virtual constraints of a phase, as the stabiliser last chose them."""
         return self._phases[phase]

@@ -26,13 +26,15 @@ the impact is as planned.
 its end in pose and slope.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.virtual_constraints.bezier import bernstein, bernstein_derivative, restrict
+from frontal_biped.virtual_constraints.bezier import restrict
+from frontal_biped.virtual_constraints.contract import VirtualConstraints
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase
+from frontal_biped.virtual_constraints.piecewise import ContinuedPhase, RejoiningPhase, RetracingPhase
 
 REJOIN = 2.0
 """c: length over which an early falling phase rejoins its path, relative to how early it is."""
@@ -41,130 +43,13 @@ SAME = 1e-9
 """[rad] a reversal this near to the planned one is the planned one."""
 
 
-@dataclass(frozen=True)
-class ContinuedPhase(Phase):
-    """A rising phase that goes on smoothly past its planned end.
-
-    Attributes:
-        taper: length l over which slopes die out past the end [rad].
-        curvature_taper: length m over which the curvature at the end dies out [rad].
-        fri_taper: length over which the slope of the FRI target dies out [rad].
-        shift: what `shifted_fri` has added to the FRI target [m].
-    """
-
-    taper: float
-    curvature_taper: float
-    fri_taper: float
-    shift: float = 0.0
-
-    @property
-    def breaks(self) -> tuple[float, ...]:
-        """Where the virtual constraints change form [rad]."""
-        return (self.beta_end,)
-
-    def motion(self, beta: FloatArray) -> ConstrainedMotion:
-        """The robot on the virtual constraints at beta (n,) [rad], past the end on the continuation."""
-        beta = np.atleast_1d(np.asarray(beta, dtype=float))
-        late = beta > self.beta_end
-        at = super().motion(np.minimum(beta, self.beta_end))
-        if not np.any(late):
-            return at
-        x = (beta[late] - self.beta_end)[:, None]
-        l, m = self.taper, self.curvature_taper
-        slow, fast = np.exp(-x / l), np.exp(-x / m)
-        q, dq, ddq, p_fri, dp_fri = (part.copy() for part in at)
-        slope, growth = dq[late, 1:], ddq[late, 1:] + dq[late, 1:] / l
-        q[:, 0] = beta
-        q[late, 1:] += slope * l * (1.0 - slow) + growth * m * (m - (m + x) * fast)
-        dq[late, 1:] = slope * slow + growth * x * fast
-        ddq[late, 1:] = growth * (1.0 - x / m) * fast - slope / l * slow
-        decay = np.exp(-x[:, 0] / self.fri_taper)
-        p_fri[late] += dp_fri[late] * self.fri_taper * (1.0 - decay)
-        dp_fri[late] *= decay
-        return ConstrainedMotion(q, dq, ddq, p_fri, dp_fri)
-
-    def desired(self, beta: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-        """h_d (3,), dh_d/dbeta (3,), d2h_d/dbeta2 (3,) and the FRI target at one beta."""
-        return super().desired(beta) if beta <= self.beta_end else _at_one(self.motion(np.array([beta])))
-
-
-@dataclass(frozen=True)
-class AnchoredFallingPhase(Phase):
-    """A falling phase that begins at an actual reversal: retracing above the planned one, rejoining below it.
-
-    The fields of `Phase` are the planned ones.
-
-    Attributes:
-        begin: the actual reversal [rad].
-        join: below it the phase is the planned one [rad].
-        mismatch: (3, 2) pose and slope of q_b at ``begin`` minus the planned ones [rad, -].
-        fri_mismatch: FRI target at ``begin`` minus the planned one [m].
-        retraced: the rising phase, followed back where the reversal is late; None where it is early.
-    """
-
-    begin: float
-    join: float
-    mismatch: FloatArray
-    fri_mismatch: float
-    retraced: Phase | None
-
-    @property
-    def breaks(self) -> tuple[float, ...]:
-        """Where the virtual constraints change form [rad]."""
-        return (self.join if self.retraced is None else self.beta_start,)
-
-    def motion(self, beta: FloatArray) -> ConstrainedMotion:
-        """The robot on the virtual constraints at beta (n,) [rad]."""
-        beta = np.atleast_1d(np.asarray(beta, dtype=float))
-        q, dq, ddq, p_fri, dp_fri = (part.copy() for part in super().motion(beta))
-        above = beta > (self.join if self.retraced is None else self.beta_start)
-        if np.any(above) and self.retraced is not None:
-            back = self.retraced.motion(beta[above])
-            q[above], dq[above], ddq[above], p_fri[above], dp_fri[above] = back
-        elif np.any(above):
-            length = self.begin - self.join
-            x = (beta[above] - self.join) / length
-            columns = self._correction(length)
-            p_fri[above] += self.fri_mismatch * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
-            dp_fri[above] += self.fri_mismatch * 30.0 * x**2 * (1.0 - x) ** 2 / length
-            q[above, 1:] += bernstein(5, x) @ columns.T
-            dq[above, 1:] += bernstein_derivative(5, x, 1) @ columns.T / length
-            ddq[above, 1:] += bernstein_derivative(5, x, 2) @ columns.T / length**2
-        return ConstrainedMotion(q, dq, ddq, p_fri, dp_fri)
-
-    def desired(self, beta: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-        """h_d (3,), dh_d/dbeta (3,), d2h_d/dbeta2 (3,) and the FRI target at one beta."""
-        if beta <= (self.join if self.retraced is None else self.beta_start):
-            return super().desired(beta)
-        return self.retraced.desired(beta) if self.retraced is not None else _at_one(self.motion(np.array([beta])))
-
-    def _correction(self, length: float) -> FloatArray:
-        """(3, 6) Bezier columns over x in [0, 1]: zero with two derivatives at 0, the mismatch at 1, flat curvature."""
-        value, slope = self.mismatch[:, 0], self.mismatch[:, 1] * length
-        zero = np.zeros(3)
-        return np.stack([zero, zero, zero, value - 0.4 * slope, value - 0.2 * slope, value], axis=1)
-
-
-def _at_one(at: ConstrainedMotion) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-    return at.q[0, 1:], at.dq[0, 1:], at.ddq[0, 1:], float(at.p_fri[0])
-
-
 def continued(
     phase: Phase, taper: float, curvature_taper: float | None = None, fri_taper: float | None = None
 ) -> ContinuedPhase:
     """A rising phase with its continuation past s = 1; the other lengths are ``taper`` by default [rad]."""
     curvature = taper if curvature_taper is None else curvature_taper
     fri = taper if fri_taper is None else fri_taper
-    return ContinuedPhase(phase.beta_start, phase.beta_end, phase.joint_bezier, phase.fri_bezier, taper, curvature, fri)
-
-
-def stretched(phase: ContinuedPhase, end: float) -> ContinuedPhase:
-    """A rising phase that reaches its final pose at another beta [rad]; pose and slope at its start stay."""
-    M = phase.degree
-    columns = phase.joint_bezier.copy()
-    columns[:, 1] = columns[:, 0] + (columns[:, 1] - columns[:, 0]) * (end - phase.beta_start) / phase.range
-    assert M >= 3  # or column 1 would be the last but one
-    return replace(phase, beta_end=end, joint_bezier=columns)
+    return ContinuedPhase(phase, taper, curvature, fri)
 
 
 def anchored_rising(planned: ContinuedPhase, beta: float, pose: FloatArray, slope: FloatArray) -> ContinuedPhase:
@@ -179,15 +64,16 @@ def anchored_rising(planned: ContinuedPhase, beta: float, pose: FloatArray, slop
         pose: (3,) actual q_b [rad].
         slope: (3,) actual dq_b/dbeta [-].
     """
-    if beta > planned.beta_start:
-        s = (beta - planned.beta_start) / planned.range
-        joints, fri = restrict(planned.joint_bezier, s), restrict(planned.fri_bezier, s)
-        planned = replace(planned, beta_start=beta, joint_bezier=joints, fri_bezier=fri)
-    moved = with_ends(planned, beta, pose, slope, planned.beta_end, planned.joint_bezier[:, -1])
-    return replace(planned, beta_start=moved.beta_start, joint_bezier=moved.joint_bezier)
+    phase = planned.phase
+    if beta > phase.beta_start:
+        s = (beta - phase.beta_start) / phase.range
+        phase = Phase(beta, phase.beta_end, restrict(phase.joint_bezier, s), restrict(phase.fri_bezier, s))
+    return replace(planned, phase=with_ends(phase, beta, pose, slope, phase.beta_end, phase.joint_bezier[:, -1]))
 
 
-def anchored_falling(planned: Phase, rising: Phase, reversal: float, rejoin: float = REJOIN) -> Phase:
+def anchored_falling(
+    planned: Phase, rising: VirtualConstraints, reversal: float, rejoin: float = REJOIN
+) -> VirtualConstraints:
     """The falling phase from an actual reversal of the rising phase.
 
     Args:
@@ -197,31 +83,18 @@ def anchored_falling(planned: Phase, rising: Phase, reversal: float, rejoin: flo
         rejoin: c, at most what takes it to the impact.
     """
     early = planned.beta_start - reversal
-    at = np.array([min(reversal, planned.beta_start)])
-    actual, path = rising.motion(at), planned.motion(at)
-    fri_mismatch = float(actual.p_fri[0] - path.p_fri[0])
     if abs(early) <= SAME:
         return planned
-    begin = float(at[0])
-    if early <= SAME:
-        mismatch, length, retraced = np.zeros((3, 2)), 0.0, rising
-    else:
-        mismatch, retraced = _row(actual) - _row(path), None
-        length = min(rejoin * early, reversal - planned.beta_end)
-    return AnchoredFallingPhase(
-        planned.beta_start,
-        planned.beta_end,
-        planned.joint_bezier,
-        planned.fri_bezier,
-        max(reversal, begin),
-        reversal - length,
-        mismatch,
-        fri_mismatch if retraced is None else 0.0,
-        retraced,
-    )
+    if early < 0.0:
+        return RetracingPhase(planned, rising)
+    at = np.array([reversal])
+    actual, path = rising.motion(at), planned.motion(at)
+    mismatch = _row(actual) - _row(path)
+    join = reversal - min(rejoin * early, reversal - planned.beta_end)
+    return RejoiningPhase(planned, reversal, join, mismatch, float(actual.p_fri[0] - path.p_fri[0]))
 
 
-def rescaled_falling(planned: Phase, rising: Phase, start: float) -> Phase:
+def rescaled_falling(planned: Phase, rising: VirtualConstraints, start: float) -> Phase:
     """The falling phase rescaled as a whole to begin on the rising one, its end kept in pose and slope.
 
     Gentler than rejoining: nothing is bent within a length proportional to how early the reversal is. But the path to
@@ -280,18 +153,3 @@ def with_ends(
     if start_fri is not None:
         fri[0] = start_fri
     return Phase(start, end, columns, fri)
-
-
-def shifted_fri(phase: Phase, shift: float) -> Phase:
-    """The phase with its FRI target moved by a constant [m]."""
-    moved = replace(phase, fri_bezier=phase.fri_bezier + shift)
-    if isinstance(moved, ContinuedPhase):
-        return replace(moved, shift=moved.shift + shift)
-    if isinstance(moved, AnchoredFallingPhase) and moved.retraced is not None:
-        return replace(moved, retraced=shifted_fri(moved.retraced, shift))
-    return moved
-
-
-def unshifted(phase: Phase) -> Phase:
-    """A rising phase without what `shifted_fri` has added."""
-    return shifted_fri(phase, -phase.shift) if isinstance(phase, ContinuedPhase) and phase.shift else phase

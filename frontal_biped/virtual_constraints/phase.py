@@ -1,6 +1,6 @@
 """One phase of a step, rising or falling: joints and FRI target as Bezier functions of beta."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
 from typing import NamedTuple
@@ -66,7 +66,7 @@ def phase_basis(degree: int, fri_degree: int, s: FloatArray) -> PhaseBasis:
 
 @dataclass(frozen=True)
 class Phase:
-    """Virtual constraints of one phase.
+    """Virtual constraints of one phase: a single polynomial.
 
     s = (beta - beta_start) / (beta_end - beta_start) grows with time in both phases. Past s = 1 (a reversal later
     than planned) and before s = 0 the polynomials simply go on.
@@ -98,6 +98,16 @@ class Phase:
         """beta_end - beta_start [rad], negative when falling."""
         return self.beta_end - self.beta_start
 
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """One polynomial changes its form nowhere."""
+        return ()
+
+    @property
+    def past_end(self) -> tuple[float, ...]:
+        """Past s = 1 the bare polynomial goes on; short panels, for it bends [rad]."""
+        return tuple(self.beta_end + k * 0.25 * self.range for k in range(5))
+
     def s(self, beta: FloatArray | float) -> FloatArray:
         """Phase value of beta."""
         return np.asarray((beta - self.beta_start) / self.range)
@@ -118,6 +128,21 @@ class Phase:
         table = self._table
         values = table.dot(bernstein_at(table.shape[1] - 1, (float(beta) - self.beta_start) / self.range))
         return values[:3], values[3:6], values[6:9], values.item(9)
+
+    def shifted(self, shift: float) -> "Phase":
+        """The phase with its FRI target moved by a constant [m]."""
+        return replace(self, fri_bezier=self.fri_bezier + shift)
+
+    def unshifted(self) -> "Phase":
+        """Itself: shifted, it is a phase like any other, with nothing to take back."""
+        return self
+
+    def stretched(self, end: float) -> "Phase":
+        """The phase that reaches its final pose at another beta [rad]; pose and slope at its start stay."""
+        assert self.degree >= 3  # or column 1 would be the last but one
+        columns = self.joint_bezier.copy()
+        columns[:, 1] = columns[:, 0] + (columns[:, 1] - columns[:, 0]) * (end - self.beta_start) / self.range
+        return replace(self, beta_end=end, joint_bezier=columns)
 
     @cached_property
     def _table(self) -> FloatArray:

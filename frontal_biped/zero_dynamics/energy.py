@@ -20,7 +20,8 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.numerics.chebyshev_series import PLACES, Series, integral
-from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase
+from frontal_biped.virtual_constraints.contract import VirtualConstraints
+from frontal_biped.virtual_constraints.phase import ConstrainedMotion
 from frontal_biped.zero_dynamics.restricted import RestrictedDynamics, on_constraints, restrict
 
 LARGEST_EXPONENT = 200.0
@@ -145,7 +146,7 @@ class PhaseEnergy:
 
 def phase_energy(
     biped: FrontalBiped,
-    phase: Phase,
+    phase: VirtualConstraints,
     start: float,
     end: float,
     breaks: Sequence[float] = (),
@@ -221,7 +222,9 @@ def _finish(panels: list[Panel], why: str) -> PhaseEnergy:
     return PhaseEnergy(tuple(panels), False, why == BARRIER, why)
 
 
-def _sample(biped: FrontalBiped, phase: Phase, a: float, b: float) -> tuple[ConstrainedMotion, RestrictedDynamics]:
+def _sample(
+    biped: FrontalBiped, phase: VirtualConstraints, a: float, b: float
+) -> tuple[ConstrainedMotion, RestrictedDynamics]:
     beta = 0.5 * (a + b) + 0.5 * (b - a) * PLACES
     # a hair inside, so that a break belongs to the panel
     beta[[0, -1]] = a + 1e-12 * (b - a), b - 1e-12 * (b - a)
@@ -229,7 +232,7 @@ def _sample(biped: FrontalBiped, phase: Phase, a: float, b: float) -> tuple[Cons
         return on_constraints(biped, phase, beta)
 
 
-def _last_good(biped: FrontalBiped, phase: Phase, a: float, b: float, to_barrier: bool) -> float:
+def _last_good(biped: FrontalBiped, phase: VirtualConstraints, a: float, b: float, to_barrier: bool) -> float:
     """How far from a towards b the zero dynamics is defined, and the drive negative where asked."""
     good, bad = a, b
     for _ in range(4):

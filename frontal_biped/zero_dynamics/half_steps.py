@@ -8,16 +8,9 @@ from scipy.optimize import brentq
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.virtual_constraints.anchoring import ContinuedPhase, stretched
-from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.virtual_constraints.contract import RisingConstraints, RisingT, VirtualConstraints
 from frontal_biped.zero_dynamics.energy import PhaseEnergy, phase_energy
 from frontal_biped.zero_dynamics.poincare import Landing, landing_on_constraints
-
-REACH = 0.5
-"""How far past its end a rising phase is followed [rad]."""
-
-PAST_END = (0.25, 1.0, 3.0)
-"""Panels of the continuation, in units of its taper."""
 
 SURPLUS_ACCURACY = 1e-4
 """Energy error that is left to the transitions [kg^2 m^4/s^2]; a gait has some hundreds."""
@@ -44,28 +37,14 @@ class Landed:
     dbeta: float
 
 
-def rising_breaks(phase: Phase) -> tuple[tuple[float, ...], float]:
-    """Panel ends of a rising phase and where to stop [rad]."""
-    taper = getattr(phase, "taper", None)
-    middle = 0.5 * (phase.beta_start + phase.beta_end)
-    if taper is None:
-        # past s = 1 the bare polynomial goes on; short panels, for it bends
-        past = [phase.beta_end + k * 0.25 * abs(phase.range) for k in range(5)]
-        return (middle, *past), past[-1]
-    short = getattr(phase, "curvature_taper", taper)
-    past = [phase.beta_end + x for f in PAST_END for x in (f * short, 3.0 * short + f * taper)]
-    return (middle, phase.beta_end, *past), max(past) + REACH
-
-
-def falling_energy(biped: FrontalBiped, phase: Phase, reversal: float) -> PhaseEnergy:
+def falling_energy(biped: FrontalBiped, phase: VirtualConstraints, reversal: float) -> PhaseEnergy:
     """Energy of a falling phase from a reversal to its end."""
-    breaks = getattr(phase, "breaks", ())
-    above = [b - 0.075 * phase.range for b in breaks[:1]]
+    above = [b - 0.075 * phase.range for b in phase.breaks]
     middle = 0.5 * (min(reversal, phase.beta_start) + phase.beta_end)
-    return phase_energy(biped, phase, reversal, phase.beta_end, (*breaks, *above, middle))
+    return phase_energy(biped, phase, reversal, phase.beta_end, (*phase.breaks, *above, middle))
 
 
-def rising_energy(biped: FrontalBiped, phase: Phase, dbeta: float = np.inf) -> PhaseEnergy:
+def rising_energy(biped: FrontalBiped, phase: RisingConstraints, dbeta: float = np.inf) -> PhaseEnergy:
     """Energy of a rising phase from its start up to the barrier, or as far as it is followed.
 
     Args:
@@ -73,8 +52,9 @@ def rising_energy(biped: FrontalBiped, phase: Phase, dbeta: float = np.inf) -> P
         phase: rising phase.
         dbeta: speed at its start [rad/s]; not far beyond the reversal of this is looked.
     """
-    breaks, end = rising_breaks(phase)
-    return phase_energy(biped, phase, phase.beta_start, end, breaks, to_barrier=True, dbeta=dbeta)
+    middle = 0.5 * (phase.beta_start + phase.beta_end)
+    *panels, end = phase.past_end
+    return phase_energy(biped, phase, phase.beta_start, end, (middle, *panels), to_barrier=True, dbeta=dbeta)
 
 
 def land_on_constraints(biped: FrontalBiped, falling: PhaseEnergy) -> tuple[Landing, float, Landed]:
@@ -110,7 +90,7 @@ def speed_at_end(falling: PhaseEnergy) -> float:
     return -float(np.sqrt(2.0 * zeta)) / float(last.restricted.I_P[-1])
 
 
-def stretch_to_reversal(biped: FrontalBiped, phase: ContinuedPhase, dbeta: float) -> ContinuedPhase:
+def stretch_to_reversal(biped: FrontalBiped, phase: RisingT, dbeta: float) -> RisingT:
     """The phase stretched so that a landing too fast for it reverses exactly at its end.
 
     The same poses in the same order, the last one reached where the energy is spent: the self-consistent reversal of
@@ -123,7 +103,7 @@ def stretch_to_reversal(biped: FrontalBiped, phase: ContinuedPhase, dbeta: float
     """
 
     def surplus(end: float) -> float:
-        return energy_surplus(biped, stretched(phase, end), dbeta)
+        return energy_surplus(biped, phase.stretched(end), dbeta)
 
     end = phase.beta_end
     if surplus(end) <= SURPLUS_ACCURACY:
@@ -131,12 +111,12 @@ def stretch_to_reversal(biped: FrontalBiped, phase: ContinuedPhase, dbeta: float
     for _ in range(STRETCHES):
         longer = end + STRETCH * phase.range
         if surplus(longer) <= 0.0:
-            return stretched(phase, float(brentq(surplus, end, longer, xtol=1e-12)))
+            return phase.stretched(float(brentq(surplus, end, longer, xtol=1e-12)))
         end = longer
     return phase
 
 
-def energy_surplus(biped: FrontalBiped, phase: Phase, dbeta: float) -> float:
+def energy_surplus(biped: FrontalBiped, phase: VirtualConstraints, dbeta: float) -> float:
     """Energy after a landing beyond what rising to the planned end of the phase takes [kg^2 m^4/s^2].
 
     `BLOCKED` is added where the phase does not reach its end: as if far too fast.

@@ -26,7 +26,8 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase
+from frontal_biped.virtual_constraints.contract import VirtualConstraints
+from frontal_biped.virtual_constraints.phase import ConstrainedMotion
 
 F_H, F_V, N_0 = 0, 1, 2  # rows of w
 TORQUES = slice(3, 7)
@@ -114,12 +115,14 @@ class RestrictedDynamics:
         return A * self.acceleration(dbeta_squared) + B * dbeta_squared + G
 
 
-def on_constraints(biped: FrontalBiped, phase: Phase, beta: FloatArray) -> tuple[ConstrainedMotion, RestrictedDynamics]:
+def on_constraints(
+    biped: FrontalBiped, phase: VirtualConstraints, beta: FloatArray
+) -> tuple[ConstrainedMotion, RestrictedDynamics]:
     """Virtual constraints of a phase at beta (n,) [rad], and the zero dynamics there."""
     motion = phase.motion(beta)
     return motion, RestrictedDynamics(project_dynamics(biped, motion), motion.p_fri, motion.dp_fri)
 
 
-def restrict(biped: FrontalBiped, phase: Phase, beta: FloatArray) -> RestrictedDynamics:
+def restrict(biped: FrontalBiped, phase: VirtualConstraints, beta: FloatArray) -> RestrictedDynamics:
     """Zero dynamics of a phase at beta (n,) [rad]."""
     return on_constraints(biped, phase, beta)[1]

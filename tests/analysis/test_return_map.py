@@ -12,7 +12,6 @@ from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait.gait import converged_nodes
 from frontal_biped.simulation import SimulationSettings
 from frontal_biped.simulation.walking import simulate
-from frontal_biped.virtual_constraints.anchoring import shifted_fri
 from frontal_biped.zero_dynamics.half_steps import falling_energy, rising_energy, speed_at_end
 from frontal_biped.zero_dynamics.orbit import resample
 from frontal_biped.zero_dynamics.poincare import HybridZeroDynamics
@@ -145,7 +144,7 @@ def test_a_robot_that_leans_outwards_of_its_fri_does_not_fall(biped, robust_gait
     at = step.falling.motion(np.array([step.reversal]))
     outwards = float(biped.com(at.q[0])[0] - at.p_fri[0]) + 0.002
     with pytest.raises(ReversalError, match="stops in the falling phase"):
-        speed_at_end(falling_energy(biped, shifted_fri(step.falling, outwards), step.reversal))
+        speed_at_end(falling_energy(biped, step.falling.shifted(outwards), step.reversal))
 
 
 def test_ankle_law_keeps_the_target_in_the_sole(biped, robust_gait):

@@ -9,8 +9,6 @@ from frontal_biped.virtual_constraints.anchoring import (
     anchored_rising,
     continued,
     rescaled_falling,
-    shifted_fri,
-    stretched,
     with_ends,
 )
 
@@ -89,7 +87,8 @@ def test_anchored_falling_phase_is_differentiable_everywhere(rising, level_gait,
 
 def test_one_value_is_the_motion_at_it(rising, level_gait):
     """What a control tick asks and what the quadrature asks is one function."""
-    for phase in (rising, anchored_falling(level_gait.falling, rising, rising.beta_end - 0.006)):
+    falling = [anchored_falling(level_gait.falling, rising, rising.beta_end + offset) for offset in (-0.006, 0.006)]
+    for phase in (rising, *falling):
         for beta in np.linspace(phase.beta_end - 0.01, phase.beta_end + 0.02, 13):
             h_d, h_d1, h_d2, p_fri = phase.desired(float(beta))
             at = phase.motion(np.array([beta]))
@@ -103,7 +102,7 @@ def test_undisturbed_phases_are_the_planned_ones(rising, level_gait):
     assert anchored_falling(level_gait.falling, rising, rising.beta_end) is level_gait.falling
     start = row(rising, rising.beta_start)
     same = anchored_rising(rising, rising.beta_start, start[0][:3], start[1][:3])
-    assert same.joint_bezier == pytest.approx(rising.joint_bezier, abs=1e-12)
+    assert same.phase.joint_bezier == pytest.approx(rising.phase.joint_bezier, abs=1e-12)
 
 
 def test_disturbed_landing_keeps_the_end(rising):
@@ -130,7 +129,7 @@ def test_begun_on_its_way_without_error_a_phase_goes_on_unchanged(rising, share)
 
 
 def test_stretched_phase_keeps_start_and_final_pose(rising):
-    longer = stretched(rising, rising.beta_end + 0.01)
+    longer = rising.stretched(rising.beta_end + 0.01)
     for a, b in zip(row(longer, rising.beta_start)[:2], row(rising, rising.beta_start)[:2], strict=True):
         assert a[:3] == pytest.approx(b[:3], rel=1e-9)
     assert row(longer, longer.beta_end)[0] == pytest.approx(row(rising, rising.beta_end)[0])
@@ -150,4 +149,31 @@ def test_shifted_target_moves_everywhere(rising, level_gait):
     for reversal in (rising.beta_end + 0.01, rising.beta_end - 0.01):
         falling = anchored_falling(level_gait.falling, rising, reversal)
         beta = np.linspace(falling.beta_end, reversal, 21)
-        assert shifted_fri(falling, 0.01).motion(beta).p_fri == pytest.approx(falling.motion(beta).p_fri + 0.01)
+        assert falling.shifted(0.01).motion(beta).p_fri == pytest.approx(falling.motion(beta).p_fri + 0.01)
+
+
+def test_shift_of_a_rising_phase_is_taken_back(rising):
+    """Also what several shifts, and a stretch between them, have added."""
+    longer = rising.stretched(rising.beta_end + 0.01)
+    beta = np.linspace(rising.beta_start, longer.beta_end + 0.02, 21)
+    back = rising.shifted(0.01).stretched(longer.beta_end).shifted(-0.003).unshifted()
+    assert back.motion(beta).p_fri == pytest.approx(longer.motion(beta).p_fri, abs=1e-15)
+    assert longer.unshifted() is longer
+
+
+def test_form_changes_at_the_breaks_and_nowhere_else(rising, level_gait):
+    """Third derivatives jump there: panels of the closed form end there, or they would not converge."""
+
+    def kink(phase, beta, h=1e-6):
+        left, right = (phase.motion(beta + side * h * np.array([1.0, 2.0])).ddq for side in (-1.0, 1.0))
+        slopes = [(left[0] - left[1]) / h, (right[1] - right[0]) / h]
+        return np.max(np.abs(slopes[1] - slopes[0])) / np.max(np.abs(slopes))
+
+    reversals = (rising.beta_end - 0.006, rising.beta_end + 0.006)
+    falling = [anchored_falling(level_gait.falling, rising, reversal) for reversal in reversals]
+    for phase, begin in ((rising, rising.beta_end + 0.006), *zip(falling, reversals, strict=True)):
+        (at,) = phase.breaks
+        assert kink(phase, at) > 0.1
+        assert kink(phase, 0.5 * (at + begin)) < 1e-2
+        assert kink(phase, at - 0.002) < 1e-2
+    assert level_gait.rising.breaks == ()

@@ -18,8 +18,7 @@ from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.virtual_constraints.anchoring import ContinuedPhase, shifted_fri, unshifted
-from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
 from frontal_biped.zero_dynamics.energy import phase_energy
 from frontal_biped.zero_dynamics.half_steps import (
     BLOCKED,
@@ -65,7 +64,7 @@ class AnkleLaw:
         """For reports."""
         return "ankle" if self.inner.name == "re-anchored" else f"ankle + {self.inner.name}"
 
-    def rising(self, landed: Landed) -> Phase:
+    def rising(self, landed: Landed) -> RisingConstraints:
         """The inner phase, shifted so that the robot reverses at its planned end.
 
         A robot too fast for the sole gets a stretched phase: the same poses, the last one reached where it reverses.
@@ -82,14 +81,12 @@ class AnkleLaw:
             except ReversalError:
                 return BLOCKED
 
-        moved = shifted_fri(phase, self.best_shift(phase, surplus, phase.beta_start, phase.beta_end))
-        if not isinstance(moved, ContinuedPhase):
-            return moved
+        moved = phase.shifted(self.best_shift(phase, surplus, phase.beta_start, phase.beta_end))
         return stretch_to_reversal(self.biped, moved, landed.dbeta)
 
-    def falling(self, rising: Phase, reversal: float) -> Phase:
+    def falling(self, rising: RisingConstraints, reversal: float) -> VirtualConstraints:
         """The inner phase, shifted so that the next post-impact speed is the gait's."""
-        phase = self.inner.falling(unshifted(rising), reversal)
+        phase = self.inner.falling(rising.unshifted(), reversal)
         if not self.in_falling:
             return phase
         target = self.gait.orbit.beta_dot_after_impact
@@ -102,16 +99,16 @@ class AnkleLaw:
             except ReversalError:
                 return target  # it does not fall: far too slow
 
-        return shifted_fri(phase, self.falling_shift(phase, missing, reversal))
+        return phase.shifted(self.falling_shift(phase, missing, reversal))
 
-    def falling_shift(self, phase: Phase, error: Callable[[float], float], reversal: float) -> float:
+    def falling_shift(self, phase: VirtualConstraints, error: Callable[[float], float], reversal: float) -> float:
         """`best_shift` of a falling phase; the robot falls from rest only while it leans inwards of its FRI [m]."""
         at = phase.motion(np.array([reversal]))
         leaning = float(self.biped.com(at.q[0])[0] - at.p_fri[0])
         return self.best_shift(phase, error, reversal, phase.beta_end, most=leaning - self.margin)
 
     def best_shift(
-        self, phase: Phase, error: Callable[[float], float], start: float, end: float, most: float = np.inf
+        self, phase: VirtualConstraints, error: Callable[[float], float], start: float, end: float, most: float = np.inf
     ) -> float:
         """The shift at which an error vanishes, or the end of the sole that comes nearest, at most ``most`` [m]."""
         low, high = self.room(phase, start, end)
@@ -125,7 +122,7 @@ class AnkleLaw:
             return low if abs(at_low) < abs(at_high) else high
         return float(brentq(error, low, high, xtol=SHIFT_ACCURACY))
 
-    def room(self, phase: Phase, start: float, end: float) -> tuple[float, float]:
+    def room(self, phase: VirtualConstraints, start: float, end: float) -> tuple[float, float]:
         """Shifts that keep the FRI target inside the sole less the margin; 0 is always allowed [m]."""
         p: FloatArray = phase.motion(np.linspace(start, end, 33)).p_fri
         outer, inner = self.biped.sole

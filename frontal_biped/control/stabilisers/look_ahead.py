@@ -27,8 +27,9 @@ from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.margins import ContactMargins, Margin
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.virtual_constraints.anchoring import ContinuedPhase, anchored_falling, rescaled_falling, stretched
-from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.virtual_constraints.anchoring import anchored_falling, rescaled_falling
+from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
+from frontal_biped.virtual_constraints.piecewise import ContinuedPhase
 from frontal_biped.zero_dynamics.energy import PhaseEnergy, phase_energy
 from frontal_biped.zero_dynamics.half_steps import Landed, falling_energy, land_on_constraints, rising_energy
 
@@ -100,7 +101,7 @@ class LookAheadTransitions:
         return ReanchoringTransitions(self.biped, self.gait, anticipate=False)
 
     # ------------------------------------------------------------------ what a stabiliser answers
-    def rising(self, landed: Landed) -> Phase:
+    def rising(self, landed: Landed) -> ContinuedPhase:
         """The rising phase anchored to the state after the impact, stretched as far as the step to come asks for."""
         phase = self.plain.rising(landed)
         ratio = landed.dbeta / self.gait.orbit.beta_dot_after_impact
@@ -111,7 +112,7 @@ class LookAheadTransitions:
             return phase
         return self._stretched(phase, landed.dbeta, plain)
 
-    def falling(self, rising: Phase, reversal: float) -> Phase:
+    def falling(self, rising: RisingConstraints, reversal: float) -> VirtualConstraints:
         """The falling phase from the actual reversal."""
         return self._falling(rising, reversal, self._speed(rising, reversal))[0]
 
@@ -145,7 +146,7 @@ class LookAheadTransitions:
         """The phase with its end moved outwards; past it the FRI target may use the sole up to `SOLE_RESERVE`."""
         if stretch == 0.0:
             return phase
-        longer = stretched(phase, phase.beta_end + stretch * abs(self.gait.rising.range))
+        longer = phase.stretched(phase.beta_end + stretch * abs(self.gait.rising.range))
         at = longer.motion(np.array([longer.beta_end]))
         slope, p_fri, (outer, inner) = float(at.dp_fri[0]), float(at.p_fri[0]), self.biped.sole
         room = (inner - p_fri if slope > 0.0 else p_fri - outer) - SOLE_RESERVE
@@ -164,9 +165,9 @@ class LookAheadTransitions:
         return Outlook(min(room, outlook.room), outlook.miss)
 
     # ------------------------------------------------------------------ falling
-    def _falling(self, rising: Phase, reversal: float, dbeta: float) -> tuple[Phase, Outlook]:
+    def _falling(self, rising: RisingConstraints, reversal: float, dbeta: float) -> tuple[VirtualConstraints, Outlook]:
         """The first falling phase that keeps the limits with about the speed of rho, or the best there is."""
-        best: tuple[Phase, Outlook] | None = None
+        best: tuple[VirtualConstraints, Outlook] | None = None
         error = abs(dbeta / self.gait.orbit.beta_dot_after_impact - 1.0)
         if error < NEAR:
             return self.plain.falling(rising, reversal), NOWHERE
@@ -179,7 +180,7 @@ class LookAheadTransitions:
         assert best is not None
         return best
 
-    def _candidates(self, rising: Phase, reversal: float, error: float) -> Iterator[Phase]:
+    def _candidates(self, rising: RisingConstraints, reversal: float, error: float) -> Iterator[VirtualConstraints]:
         planned = self.gait.falling
         late = reversal >= rising.beta_end
         if late or error < REJOINING:
@@ -188,7 +189,7 @@ class LookAheadTransitions:
             yield anchored_falling(rescaled_falling(planned, rising, rising.beta_end), rising, reversal)
         yield rescaled_falling(planned, rising, reversal)
 
-    def _falling_outlook(self, phase: Phase, reversal: float, dbeta: float) -> Outlook:
+    def _falling_outlook(self, phase: VirtualConstraints, reversal: float, dbeta: float) -> Outlook:
         try:
             energy = falling_energy(self.biped, phase, reversal)
             landed = land_on_constraints(self.biped, energy)[2]
@@ -199,10 +200,10 @@ class LookAheadTransitions:
         wanted = 1.0 + self.gait.orbit.multiplier * ((dbeta / speed) ** 2 - 1.0)
         return Outlook(room, landed.dbeta / speed - float(np.sqrt(max(wanted, 0.0))))
 
-    def _speed(self, rising: Phase, reversal: float) -> float:
+    def _speed(self, rising: RisingConstraints, reversal: float) -> float:
         """The speed after the landing with which the rising phase reverses there [rad/s]; the gait's if none does."""
         try:
-            energy = phase_energy(self.biped, rising, rising.beta_start, reversal, getattr(rising, "breaks", ()))
+            energy = phase_energy(self.biped, rising, rising.beta_start, reversal, rising.breaks)
             return energy.speed(reversal)
         except ReversalError:
             return self.gait.orbit.beta_dot_after_impact

@@ -22,9 +22,8 @@ from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.virtual_constraints.anchoring import shifted_fri, unshifted
+from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
 from frontal_biped.virtual_constraints.invariance import double_support_pose
-from frontal_biped.virtual_constraints.phase import Phase
 from frontal_biped.zero_dynamics.energy import PhaseEnergy, phase_energy
 from frontal_biped.zero_dynamics.half_steps import (
     Landed,
@@ -92,13 +91,13 @@ class StepLaw:
     def _unstretched(self) -> ReanchoringTransitions:
         return ReanchoringTransitions(self.biped, self.gait, anticipate=False)
 
-    def rising(self, landed: Landed) -> Phase:
+    def rising(self, landed: Landed) -> RisingConstraints:
         """The anchored rising phase, shifted by the ankle law if there is one."""
         return (self.ankle or self._reanchored).rising(landed)
 
-    def falling(self, rising: Phase, reversal: float) -> Phase:
+    def falling(self, rising: RisingConstraints, reversal: float) -> VirtualConstraints:
         """The falling phase to the width that the rule asks for."""
-        rising = unshifted(rising)
+        rising = rising.unshifted()
         if self.rule is StepRule.LQR:
             planned = self.gait.beta_reversal
             width = self.gait.step_width - self.gain * (reversal - planned)
@@ -116,10 +115,10 @@ class StepLaw:
             except (ReversalError, UnreachablePoseError):
                 return -error
 
-        return shifted_fri(phase, self.ankle.falling_shift(phase, left, reversal))
+        return phase.shifted(self.ankle.falling_shift(phase, left, reversal))
 
     # ------------------------------------------------------------------ widths
-    def to_width(self, rising: Phase, reversal: float, width: float) -> Phase:
+    def to_width(self, rising: RisingConstraints, reversal: float, width: float) -> VirtualConstraints:
         """The falling phase from a reversal to a landing of the given width [m].
 
         Raises:
@@ -152,7 +151,7 @@ class StepLaw:
         return double_support_pose(self.biped, found, width)
 
     # ------------------------------------------------------------------ rules
-    def surplus(self, falling: Phase, reversal: float) -> float:
+    def surplus(self, falling: VirtualConstraints, reversal: float) -> float:
         """Energy after the landing of a falling phase beyond what rising to the planned reversal takes.
 
         In kg^2 m^4/s^2; zero where the next step reverses as planned.
@@ -167,7 +166,7 @@ class StepLaw:
         phase = self._unstretched.rising(landed)
         return surplus_at_end(phase_energy(self.biped, phase, phase.beta_start, phase.beta_end), landed.dbeta)
 
-    def _dead_beat(self, rising: Phase, reversal: float) -> tuple[float, float]:
+    def _dead_beat(self, rising: RisingConstraints, reversal: float) -> tuple[float, float]:
         """Width, and the surplus left where no allowed width makes it vanish."""
 
         def error(width: float) -> float:

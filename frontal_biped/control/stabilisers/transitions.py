@@ -17,14 +17,15 @@ from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.margins import ContactMargins
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.anchoring import (
-    ContinuedPhase,
     anchored_falling,
     anchored_rising,
     continued,
     rescaled_falling,
     with_ends,
 )
+from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
 from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.virtual_constraints.piecewise import ContinuedPhase
 from frontal_biped.zero_dynamics.energy import PhaseEnergy
 from frontal_biped.zero_dynamics.half_steps import Landed, rising_energy, stretch_to_reversal
 
@@ -58,10 +59,10 @@ class Stabiliser(Protocol):
     def name(self) -> str:
         """For reports."""
 
-    def rising(self, landed: Landed) -> Phase:
+    def rising(self, landed: Landed) -> RisingConstraints:
         """Virtual constraints from an impact on."""
 
-    def falling(self, rising: Phase, reversal: float) -> Phase:
+    def falling(self, rising: RisingConstraints, reversal: float) -> VirtualConstraints:
         """Virtual constraints from a reversal on, given the phase that reversed and where [rad]."""
 
 
@@ -81,7 +82,7 @@ class FixedTransitions:
         """The planned rising phase."""
         return self.gait.rising
 
-    def falling(self, rising: Phase, reversal: float) -> Phase:
+    def falling(self, rising: RisingConstraints, reversal: float) -> Phase:
         """The planned falling phase."""
         return self.gait.falling
 
@@ -181,11 +182,13 @@ class ReanchoringTransitions:
             return phase
         return stretch_to_reversal(self.biped, phase, landed.dbeta)
 
-    def falling(self, rising: Phase, reversal: float) -> Phase:
+    def falling(self, rising: RisingConstraints, reversal: float) -> VirtualConstraints:
         """The falling phase from the actual reversal."""
         return self.falling_to(rising, reversal, self.gait.falling.beta_end, self.gait.falling.joint_bezier[:, -1])
 
-    def falling_to(self, rising: Phase, reversal: float, beta: float, pose: FloatArray) -> Phase:
+    def falling_to(
+        self, rising: RisingConstraints, reversal: float, beta: float, pose: FloatArray
+    ) -> VirtualConstraints:
         """The falling phase from the actual reversal to a final pose.
 
         Args:
@@ -211,7 +214,8 @@ class ReanchoringTransitions:
         if not self.rejoin:
             return rescaled_falling(planned, rising, reversal)
         floor = ENOUGH_INERTIA * self._least_inertia(planned, planned.beta_start)
-        best, most = planned, -np.inf
+        best: VirtualConstraints = planned
+        most = -np.inf
         for rejoin in REJOINS:
             phase = anchored_falling(planned, rising, reversal, rejoin)
             least = self._least_inertia(phase, reversal)
@@ -221,7 +225,7 @@ class ReanchoringTransitions:
                 break
         return best
 
-    def _least_inertia(self, phase: Phase, start: float) -> float:
+    def _least_inertia(self, phase: VirtualConstraints, start: float) -> float:
         """Smallest I_P of a falling phase [kg m^2]."""
         beta = start + (phase.beta_end - start) * np.linspace(0.0, 1.0, 25)
         motion = phase.motion(beta)
