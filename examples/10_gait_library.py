@@ -53,7 +53,7 @@ def main(folder: Path) -> None:
     before, after = library.gait(0), library.gait(1)
     assert before is not None and after is not None
     change = design_transition(robot, before, after)
-    print(f"one step from the first gait to the second: J = {change.gait.orbit.cost:.1f}, constraints kept:", end=" ")
+    print(f"one step from the first gait to the second: J = {change.cost:.1f}, constraints kept:", end=" ")
     print(f"{change.report.satisfied}, arrives at the right speed: {abs(change.speed_error) < 1e-9}")
 
 

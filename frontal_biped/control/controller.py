@@ -15,7 +15,7 @@ from frontal_biped.control.torques.lyapunov import LyapunovFunction, least_accel
 from frontal_biped.control.torques.torque_program import Source, TorqueProgram
 from frontal_biped.control.torques.walking_qp import FORCES, OUTPUT_ACCELERATION
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
-from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.planned_step import PlannedStep
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.state import State
 from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
@@ -71,7 +71,7 @@ class QpController:
 
     Args:
         biped: the robot.
-        gait: what to track.
+        gait: what to track: a gait, or the step between two of them.
         settings: gains and limits; default: those of the gait's specification.
         stabiliser: chooses the virtual constraints of each phase; default: the paper's fixed ones.
 
@@ -84,7 +84,7 @@ class QpController:
     def __init__(
         self,
         biped: FrontalBiped,
-        gait: Gait,
+        gait: PlannedStep,
         settings: ControllerSettings | None = None,
         stabiliser: Stabiliser | None = None,
     ) -> None:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from frontal_biped.exceptions import SimulationError
-from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.planned_step import PlannedStep
 from frontal_biped.gait.specification import GaitSpecification
 
 OUTPUTS = ("linearising", "clf")
@@ -54,7 +54,7 @@ class ControllerSettings:
             raise SimulationError(f"no solver {self.solver!r}; known: {', '.join(SOLVERS)}")
 
     @classmethod
-    def for_gait(cls, gait: Gait) -> "ControllerSettings":
+    def for_gait(cls, gait: PlannedStep) -> "ControllerSettings":
         """Defaults, with the friction, normal force and torque limits that the gait was designed for."""
         asked = gait.specification
         return cls(friction=asked.friction, min_normal_force=asked.min_normal_force, max_torque=asked.max_torque)

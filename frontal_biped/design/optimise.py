@@ -1,21 +1,20 @@
-"""Design a gait: optimise, close the orbit, check on a dense grid, tighten where it disagrees, simulate a step."""
+"""Design a gait: search from one or several starts, simulate a step of what was found, or explain why there is none."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.closing import ClosedStep, close_step
 from frontal_biped.design.explanation import Conflict, Remedy, conflicts, remedy
-from frontal_biped.design.problem import DesignProblem
-from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, minimise
+from frontal_biped.design.problem import COLUMN_REACH, DesignProblem
+from frontal_biped.design.search import Candidate, Progress, Search
 from frontal_biped.design.verification import RETURN_TOLERANCE, Verification, verify
-from frontal_biped.exceptions import ReversalError, SpecificationError, UnreachablePoseError
+from frontal_biped.exceptions import SpecificationError
 from frontal_biped.files.provenance import software_versions
-from frontal_biped.gait.check import ConstraintReport, check_constraints
+from frontal_biped.gait.check import ConstraintReport
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.specification import GaitSpecification, default_specification
 from frontal_biped.model.biped import FrontalBiped
@@ -23,19 +22,13 @@ from frontal_biped.model.biped import FrontalBiped
 OPTIMISER_NODES = 16
 """Quadrature nodes a phase in the optimiser: about 1e-7 in J; the result is integrated again until 1e-11."""
 
-TIGHTENING_ROUNDS = 8
 SAFETY = 1e-7  # every scaled constraint keeps this distance in the optimiser, against its own tolerance
 RESIDUAL_TOLERANCE = 1e-9
 SPREAD = 0.5
 """Standard deviation of the starts of a multi-start, in units of the variables' scales."""
 
-FEASIBILITY = SqpSettings(stop_when_feasible=True, max_iterations=150)
-"""Settings that ask whether a step exists, not what it costs."""
-
 RESCUES = 2
 """Further starts that are tried before a specification is called impossible."""
-
-Progress = Callable[[int, float, float], None]
 
 
 @dataclass(frozen=True)
@@ -78,6 +71,7 @@ def design_gait(
     attempts: int = 1,
     fall_back: bool = True,
     advise: bool = True,
+    column_reach: float = COLUMN_REACH,
     on_progress: Progress | None = None,
 ) -> DesignResult:
     """Minimise J under C01 to C09.
@@ -90,6 +84,7 @@ def design_gait(
             the default; the cheapest gait is kept.
         fall_back: where a start leads nowhere, try the problem's own start and two random ones as well.
         advise: where there is no gait, look for a remedy; it takes a few designs more.
+        column_reach: how far a Bezier column may be from that of the problem's own start [rad].
         on_progress: called with iteration, J [N^2 m s] and largest scaled violation.
 
     Returns:
@@ -108,8 +103,8 @@ def design_gait(
     if attempts < 1:
         raise SpecificationError(f"attempts = {attempts} is below 1; a design needs a start")
     began = time.perf_counter()
-    design = _Design(biped, spec, on_progress)
-    candidates: list[_Candidate] = []
+    design = _Design(biped, spec, column_reach, on_progress)
+    candidates: list[Candidate] = []
     for number, x in enumerate(_starts(design.problem, spec, start, attempts)):
         if number >= attempts and (not fall_back or any(candidate.good for candidate in candidates)):
             break  # the default start only stands in for a start that led nowhere
@@ -147,56 +142,24 @@ def _drawn(problem: DesignProblem, rng: np.random.Generator) -> FloatArray:
     return np.clip(x, low, high)
 
 
-class _Candidate(NamedTuple):
-    """Where one start led."""
-
-    x: FloatArray
-    result: SqpResult
-    problem: DesignProblem
-    closed: ClosedStep | None
-    report: ConstraintReport | None
-    obstacle: str
-
-    @property
-    def good(self) -> bool:
-        return self.result.feasible and self.report is not None and self.report.satisfied
-
-    @property
-    def figure(self) -> float:
-        """What candidates are compared by: cost of a gait, violation of a failure."""
-        return self.result.cost if self.good else self.result.violation
-
-
 class _Design:
     """One specification, designed for from one or several starts."""
 
-    def __init__(self, biped: FrontalBiped, spec: GaitSpecification, on_progress: Progress | None) -> None:
-        self.biped, self.spec, self.on_progress = biped, spec, on_progress
-        self.problem = DesignProblem(biped, spec, OPTIMISER_NODES, SAFETY)
-        self.iterations = self.evaluations = 0
+    def __init__(
+        self, biped: FrontalBiped, spec: GaitSpecification, column_reach: float, on_progress: Progress | None
+    ) -> None:
+        self.biped, self.spec, self.column_reach = biped, spec, column_reach
+        self.problem = self._problem(spec)
+        self.search = Search(on_progress)
 
-    def run(self, x: FloatArray) -> _Candidate:
-        """Optimise from x; tighten and repeat where the dense grid finds a violation between the nodes."""
-        problem = DesignProblem(self.biped, self.spec, OPTIMISER_NODES, SAFETY)
-        low, high = problem.bounds()
-        x = problem.restored(x)
-        for _ in range(TIGHTENING_ROUNDS):
-            result = minimise(problem.evaluate, x, low, high, problem.scale(), SqpSettings(), self._progress())
-            self.iterations += result.iterations
-            self.evaluations += result.evaluations
-            x = result.x
-            try:
-                closed = close_step(problem, x, newton=result.feasible)
-            except (ReversalError, UnreachablePoseError) as error:
-                return _Candidate(x, result, problem, None, None, str(error))
-            x = closed.x
-            report = check_constraints(self.biped, self.spec, *closed.phases, closed.step)
-            if report.satisfied or not result.feasible:
-                break
-            problem.tighten(report.shortfall)
-        return _Candidate(x, result, problem, closed, report, "")
+    def _problem(self, spec: GaitSpecification) -> DesignProblem:
+        return DesignProblem(self.biped, spec, OPTIMISER_NODES, SAFETY, column_reach=self.column_reach)
 
-    def rescue(self) -> list[_Candidate]:
+    def run(self, x: FloatArray) -> Candidate:
+        """The cheapest step in reach of x."""
+        return self.search.cheapest(self._problem(self.spec), x)
+
+    def rescue(self) -> list[Candidate]:
         """Before a specification is called impossible: look for any step from a few more starts, and go on from there.
 
         Ends with the first gait.
@@ -204,28 +167,14 @@ class _Design:
         rng = np.random.default_rng([self.spec.seed, 1])
         found = []
         for _ in range(RESCUES):
-            x = self._step_from(self.problem, _drawn(self.problem, rng))
+            x = self.search.any_step(self.problem, _drawn(self.problem, rng))
             if x is not None:
                 found.append(self.run(x))
                 if found[-1].good:
                     break
         return found
 
-    def _step_from(self, problem: DesignProblem, x: FloatArray) -> FloatArray | None:
-        """Variables of a step that keeps every bound, whatever it costs, in reach of x; None if none was found."""
-        low, high = problem.bounds()
-        result = minimise(problem.evaluate, problem.restored(x), low, high, problem.scale(), FEASIBILITY)
-        self.iterations += result.iterations
-        self.evaluations += result.evaluations
-        return result.x if result.feasible else None
-
-    def _progress(self) -> Progress | None:
-        on_progress, done = self.on_progress, self.iterations
-        if on_progress is None:
-            return None
-        return lambda count, cost, violation: on_progress(done + count, cost, violation)
-
-    def conclude(self, candidate: _Candidate) -> DesignResult:
+    def conclude(self, candidate: Candidate) -> DesignResult:
         """Residuals and a simulated step decide whether the candidate is a gait."""
         assert candidate.closed is not None
         gait = candidate.closed.gait(self.problem)
@@ -244,8 +193,8 @@ class _Design:
             "seed": self.spec.seed,
             "solver": {
                 "status": candidate.result.message,
-                "iterations": self.iterations,
-                "evaluations": self.evaluations,
+                "iterations": self.search.iterations,
+                "evaluations": self.search.evaluations,
             },
             "residuals": residuals,
             "simulated_step": asdict(verification),
@@ -254,7 +203,7 @@ class _Design:
         message = f"J = {orbit.cost:.4f} N^2 m s, multiplier {orbit.multiplier:.4f}, all constraints satisfied"
         return self._result(replace(gait, provenance=provenance), candidate, message, verification)
 
-    def explain(self, candidate: _Candidate, advise: bool) -> DesignResult:
+    def explain(self, candidate: Candidate, advise: bool) -> DesignResult:
         """Which constraints contradict each other where the optimiser ended, and what to relax first."""
         causes = conflicts(candidate.problem, candidate.result)
         if not causes or candidate.result.feasible:
@@ -271,24 +220,24 @@ class _Design:
 
     def _feasible(self, changed: GaitSpecification, x: FloatArray) -> bool:
         """Does a step exist under another specification, in reach of x?"""
-        return self._step_from(DesignProblem(self.biped, changed, OPTIMISER_NODES, SAFETY), x) is not None
+        return self.search.any_step(self._problem(changed), x) is not None
 
     def _result(
-        self, gait: Gait | None, candidate: _Candidate, message: str, verification: Verification | None = None
+        self, gait: Gait | None, candidate: Candidate, message: str, verification: Verification | None = None
     ) -> DesignResult:
         return DesignResult(
             gait,
             candidate.report,
             gait is not None,
             message,
-            self.iterations,
-            self.evaluations,
+            self.search.iterations,
+            self.search.evaluations,
             0.0,
             verification=verification,
         )
 
 
-def _nearest(candidate: _Candidate) -> str:
+def _nearest(candidate: Candidate) -> str:
     """What stands in the way where no multipliers tell: no step at all, or one that the dense grid refuses."""
     if candidate.obstacle:
         return f"no step exists where the optimiser stopped: {candidate.obstacle}; relax the specification"

@@ -14,19 +14,21 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.derivatives import DifferentiableBiped, Projection
+from frontal_biped.design.ends import Periodic, StepEnds
 from frontal_biped.design.forward_mode import Dual, elementwise, independent
 from frontal_biped.design.rows import MarginLayout, MarginRow, lay_out
-from frontal_biped.design.start import swayed_stand
+from frontal_biped.design.trust_region_sqp import largest_violation
+from frontal_biped.design.variables import VariableLayout
 from frontal_biped.exceptions import UnreachablePoseError
 from frontal_biped.gait.constraints import Constraint, SoleHeights, step_constraints
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.numerics.quadrature import reversal_quadrature
-from frontal_biped.virtual_constraints.bezier import bernstein, elevate
 from frontal_biped.virtual_constraints.invariance import (
     FreeParameters,
     PhaseParameters,
+    StepBegin,
     complete,
     falling_parameters,
     final_falling_slope,
@@ -79,80 +81,91 @@ class Evaluation:
 class DesignProblem:
     """Objective, constraints, bounds and start of one design.
 
-    Variables, in this order: beta_r-, beta_f-, L_s, rising columns 2..M, falling columns 2..M-1 (both column by
-    column), rising FRI coefficients, falling FRI coefficients 1..M_FRI.
+    Its variables are those of `VariableLayout`.
 
     Args:
         biped: the robot.
         specification: degrees and bounds.
         size: quadrature nodes a phase.
         tighten_by: distance that every scaled constraint keeps from its bound.
+        ends: what the step begins and ends with; default: its own landing, as a gait does.
+        column_reach: how far a Bezier column may be from that of the start [rad].
     """
 
     SPECIFIED_VARIABLES: ClassVar = {2: ("step_width[0]", "step_width[1]")}
     """Index of a variable whose bounds stand in the specification: their entries."""
 
     def __init__(
-        self, biped: FrontalBiped, specification: GaitSpecification, size: int, tighten_by: float = 0.0
+        self,
+        biped: FrontalBiped,
+        specification: GaitSpecification,
+        size: int,
+        tighten_by: float = 0.0,
+        *,
+        ends: StepEnds | None = None,
+        column_reach: float = COLUMN_REACH,
     ) -> None:
         self.biped = biped
         self.specification = specification
+        self.ends: StepEnds = Periodic(biped, specification) if ends is None else ends
+        self.column_reach = column_reach
         self.rule = reversal_quadrature(size)
         self._differentiable = DifferentiableBiped(biped)
         M, F = max(specification.degrees), specification.fri_degree
         tau_squared = self.rule.tau**2
         self._rising_basis = phase_basis(M, F, 1.0 - tau_squared)
         self._falling_basis = phase_basis(M, F, tau_squared)
-        sizes = [3, 3 * (M - 1), 3 * (M - 2), F + 1, F]
-        self._splits = np.cumsum(sizes)
-        self.size = int(self._splits[-1])
+        self.layout = VariableLayout(M, F)
+        self.size = self.layout.size
         self.tighten_by = tighten_by
         self._tightened: dict[tuple[str, str], float] = {}
-        self._layout: MarginLayout | None = None
+        self._margins: MarginLayout | None = None
 
     def on_nodes(self, size: int) -> "DesignProblem":
         """The same problem on ``size`` quadrature nodes a phase, nothing tightened."""
-        return DesignProblem(self.biped, self.specification, size)
+        return DesignProblem(self.biped, self.specification, size, ends=self.ends, column_reach=self.column_reach)
 
     # ------------------------------------------------------------------ variables
     def unpack(self, x: FloatArray) -> FreeParameters:
-        """Free parameters of a variable vector (P,)."""
-        a, b, c, d, e = self._splits
-        rising = np.reshape(x[a:b], (-1, 3)).T if not isinstance(x, Dual) else _columns(x, a, b)
-        falling = np.reshape(x[b:c], (-1, 3)).T if not isinstance(x, Dual) else _columns(x, b, c)
-        return FreeParameters(x[0], x[1], x[2], rising, falling, x[c:d], x[d:e])
+        """Free parameters of a variable vector (P,), as the ends of the step want them."""
+        return self.ends.completed(self.layout.unpack(x))
 
-    def pack(self, free: FreeParameters) -> FloatArray:
-        """Variable vector (P,) of free parameters."""
-        head = [free.beta_reversal, free.beta_impact, free.step_width]
-        columns = [free.rising_columns.T.ravel(), free.falling_columns.T.ravel()]
-        return np.concatenate([head, *columns, free.rising_fri, free.falling_fri])
+    def variables(self, gait: Gait) -> FloatArray:
+        """Variables (P,) of a gait, of any degree: raised exactly, lowered by least squares."""
+        return self.layout.of(gait)
+
+    def scale(self) -> FloatArray:
+        """(P,) changes of the variables that matter alike."""
+        return self.layout.scale()
 
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Lower and upper bounds (P,) of the variables.
 
-        Bezier columns may leave the start by 3 rad and FRI coefficients the middle of the sole by three of its halves,
-        since only the polynomials, not their coefficients, have to stay in the robot's limits.
+        Bezier columns may leave the start by ``column_reach`` and FRI coefficients the middle of the sole by three of
+        its halves, since only the polynomials, not their coefficients, have to stay in the robot's limits.
         """
-        start = self.start()
-        low, high = start - COLUMN_REACH, start + COLUMN_REACH
-        low[:2], high[:2] = start[:2] - 0.15, start[:2] + 0.15
+        middle = self.ends.starts(self.layout)[-1]
+        low, high = middle - self.column_reach, middle + self.column_reach
+        low[:2], high[:2] = middle[:2] - 0.15, middle[:2] + 0.15
         low[2], high[2] = self.specification.step_width
         outer, inner = self.biped.sole
-        fri = slice(self._splits[2], None)
-        low[fri], high[fri] = 3.0 * outer, 3.0 * inner
+        low[self.layout.fri], high[self.layout.fri] = 3.0 * outer, 3.0 * inner
+        which, values = self.ends.held(self.layout)
+        low[which] = high[which] = values
         return low, high
 
     def start(self) -> FloatArray:
-        """Default start (P,): `swayed_stand`."""
-        return self.pack(swayed_stand(self.biped, self.specification))
+        """Default start (P,): of those that the ends of the step name, the one nearest to a step."""
+        tried = self.ends.starts(self.layout)
+        if len(tried) == 1:
+            return tried[0]
 
-    def scale(self) -> FloatArray:
-        """(P,) changes of the variables that matter alike: 0.1 rad of a joint, 0.02 of the rest."""
-        scale = np.full(self.size, 0.1)
-        scale[:3] = 0.02, 0.02, 0.05
-        scale[self._splits[2] :] = 0.02
-        return scale
+        def defect(x: FloatArray) -> float:
+            point = self.evaluate(x)
+            return largest_violation(point) if np.isfinite(point.cost) else np.inf
+
+        low, high = self.bounds()
+        return min((np.clip(x, low, high) for x in tried), key=defect)
 
     # ------------------------------------------------------------------ evaluation
     # a point without an orbit has roots of negative numbers; it is told by its values, not by warnings
@@ -164,16 +177,16 @@ class DesignProblem:
             rising=_with_floor(step.rising),
             falling=_with_floor(step.falling),
         )
-        constraints = self.constraints(lifted, soles)
+        constraints = step_constraints(self.biped, self.specification, lifted, soles, departure=self.departing)
         # the orbit itself must exist, whatever the floor says
         constraints += [
             Constraint("", "orbit", "", orbit.z, FLOOR_Z, None, 10.0) for orbit in (step.rising, step.falling)
         ]
-        if self._layout is None:
-            self._layout = lay_out(constraints, self._distance)
-        layout = self._layout
+        if self._margins is None:
+            self._margins = lay_out(constraints, self._distance)
+        layout = self._margins
         values = cast("Dual", np.concatenate([constraint.values for constraint in constraints])).block[:, layout.picks]
-        equality = cast("Dual", np.concatenate([np.stack(self.balance(step)), *surplus]))
+        equality = cast("Dual", np.concatenate([np.stack(self.ends.balance(step)), *surplus]))
         # J is the sum of the squares of these
         torques = np.concatenate(
             [_weighted_torques(orbit, lifted.step_width) for orbit in (lifted.rising, lifted.falling)]
@@ -189,21 +202,20 @@ class DesignProblem:
             (values[1:] * layout.factor).T,
         )
 
-    def constraints(self, step: StepOrbit, soles: SoleHeights, duration: float | None = None) -> list[Constraint]:
-        """The constraints of a step of this problem; ``duration`` where the step is not on quadrature nodes."""
-        return step_constraints(self.biped, self.specification, step, soles, duration)
-
-    def balance(self, step: StepOrbit) -> list[float]:
-        """Energies that must match [rad^2/s^2]: a periodic step returns the speed it began with."""
-        return [step.periodicity]
-
     def phases(self, x: FloatArray) -> tuple[Phase, Phase]:
         """Rising and falling phase at x (P,).
 
         Raises:
             UnreachablePoseError: the final pose does not exist.
         """
-        return complete(self.biped, self.unpack(x))
+        departure = self.ends.departure
+        return complete(self.biped, self.unpack(x), departure and departure.begin)
+
+    @property
+    def departing(self) -> Landing | None:
+        """The impact that the step begins with, where it is not the one it ends with."""
+        departure = self.ends.departure
+        return departure and departure.landing
 
     def _distance(self, constraint: Constraint) -> float:
         """What a constraint keeps from its bounds, in units of its scale."""
@@ -211,7 +223,7 @@ class DesignProblem:
 
     def rows(self) -> tuple[MarginRow, ...]:
         """What the margins of the last evaluation mean, in their order."""
-        return () if self._layout is None else self._layout.meaning
+        return () if self._margins is None else self._margins.meaning
 
     def restored(self, x: FloatArray) -> FloatArray:
         """The point itself, or where the formulas have no value there, one on the way to the default start.
@@ -223,36 +235,18 @@ class DesignProblem:
         for _ in range(RESTORATIONS):
             try:
                 point = self.evaluate(x)
-                worst = max(float(-np.min(point.margins)), float(np.max(np.abs(point.equality))))
-                if np.isfinite(point.cost) and worst < WORKABLE:
+                if np.isfinite(point.cost) and largest_violation(point) < WORKABLE:
                     return x
             except UnreachablePoseError:
                 pass
             x = 0.5 * (x + start)
         return start
 
-    def variables(self, gait: Gait) -> FloatArray:
-        """Variables (P,) of a gait, of any degree: raised exactly, lowered by least squares."""
-        M, F = max(self.specification.degrees), self.specification.fri_degree
-        rising, falling = (_of_degree(phase.joint_bezier, M) for phase in (gait.rising, gait.falling))
-        rising_fri, falling_fri = (_of_degree(phase.fri_bezier, F) for phase in (gait.rising, gait.falling))
-        return self.pack(
-            FreeParameters(
-                gait.beta_reversal,
-                gait.falling.beta_end,
-                gait.step_width,
-                rising[:, 2:],
-                falling[:, 2:-1],
-                rising_fri,
-                falling_fri[1:],
-            )
-        )
-
     def tighten(self, shortfall: Mapping[tuple[str, str], float]) -> None:
         """Move bounds inwards by the scaled violations found between the nodes, by code and name of the constraint."""
         for key, violation in shortfall.items():
             self._tightened[key] = self._tightened.get(key, 0.0) + 1.2 * violation
-        self._layout = None
+        self._margins = None
 
     def _step(self, x: Dual) -> tuple[StepOrbit, SoleHeights, list[FloatArray]]:
         free = self.unpack(cast("FloatArray", x))
@@ -260,7 +254,12 @@ class DesignProblem:
         dq_minus = final_falling_slope(free, cast("FloatArray", q_minus))
         flat = self._differentiable.impact(q_minus, cast("Dual", dq_minus))
         landing = Landing(*(cast("FloatArray", flat[part]) for part in _LANDING_PARTS))
-        rising = self._rising(free, cast("FloatArray", q_minus), landing)
+        departure = self.ends.departure
+        if departure is None:
+            begin = StepBegin(cast("FloatArray", q_minus), landing.dq_plus[1:] / landing.speed_ratio)
+        else:
+            begin = departure.begin
+        rising = rising_parameters(free, *begin)
         falling = falling_parameters(free, cast("FloatArray", q_minus), rising)
         motions = [self._motion(+1, rising), self._motion(-1, falling)]
         up, down = self._differentiable.project(motions)
@@ -269,10 +268,6 @@ class DesignProblem:
         surplus = [_surplus(phase.joint_bezier, self.specification.degrees) for phase in (rising, falling)]
         step = StepOrbit(rise, fall, landing, free.step_width)
         return step, SoleHeights(up.soles, down.soles), [part for parts in surplus for part in parts]
-
-    def _rising(self, free: FreeParameters, q_minus: FloatArray, landing: Landing) -> PhaseParameters:
-        """The rising phase begins where this very step lands."""
-        return rising_parameters(free, q_minus, landing.dq_plus[1:] / landing.speed_ratio)
 
     def _motion(self, direction: int, phase: PhaseParameters) -> ConstrainedMotion:
         rising = direction > 0
@@ -311,10 +306,6 @@ def _weighted_torques(orbit: PhaseOrbit, step_width: float) -> FloatArray:
     return (orbit.generalized_forces[TORQUES] * density).reshape(-1)
 
 
-def _columns(x: Dual, begin: int, end: int) -> FloatArray:
-    return cast("FloatArray", x[begin:end].reshape(-1, 3).T)
-
-
 def _with_floor(orbit: PhaseOrbit) -> PhaseOrbit:
     """The orbit with z > 0 everywhere: below FLOOR_Z a hyperbola that continues it with equal slope."""
     z = cast("Dual", orbit.z)
@@ -325,12 +316,3 @@ def _with_floor(orbit: PhaseOrbit) -> PhaseOrbit:
     value = np.where(low, FLOOR_Z * share, z.value)
     slope = np.where(low, share**2, 1.0)
     return replace(orbit, z=cast("FloatArray", elementwise(z, value, slope)))
-
-
-def _of_degree(coefficients: FloatArray, degree: int) -> FloatArray:
-    """Bezier coefficients (..., degree + 1) of the same polynomials, or of the nearest of a lower degree."""
-    if coefficients.shape[-1] <= degree + 1:
-        return elevate(coefficients, degree)
-    s = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 4 * coefficients.shape[-1]))
-    values = bernstein(coefficients.shape[-1] - 1, s) @ coefficients.T
-    return np.asarray(np.linalg.lstsq(bernstein(degree, s), values, rcond=None)[0].T, dtype=np.float64)

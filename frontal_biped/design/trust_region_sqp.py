@@ -200,13 +200,14 @@ class _Iteration:
         converged, message, count = False, "the iteration limit was reached", 0
         settled = np.inf  # violation where the iteration settled under the last penalty
         if not (
-            _violation(self.point) < OUTSIDE_DOMAIN and np.isfinite(self._merit(self.point) + np.sum(self.hessian))
+            largest_violation(self.point) < OUTSIDE_DOMAIN
+            and np.isfinite(self._merit(self.point) + np.sum(self.hessian))
         ):
             message = "the start is outside the domain of the problem"
-            violation = _violation(self.point)
+            violation = largest_violation(self.point)
             return SqpResult(self.x, self.point.cost, violation, 0, self.evaluations, False, False, message)
         for count in range(1, settings.max_iterations + 1):
-            if settings.stop_when_feasible and _violation(self.point) <= settings.feasible:
+            if settings.stop_when_feasible and largest_violation(self.point) <= settings.feasible:
                 message = "a feasible point"
                 break
             try:
@@ -224,7 +225,7 @@ class _Iteration:
                     self.secant, self.radius = True, max(self.radius, 1e-2)
                     self.hessian = self._gauss_newton()
                     continue
-                violation = _violation(self.point)
+                violation = largest_violation(self.point)
                 worth_it = violation < GAIN_OF_PENALTY * settled
                 if violation > settings.feasible and self.penalty < settings.max_penalty and worth_it:
                     settled = violation
@@ -238,8 +239,8 @@ class _Iteration:
             close = predicted < CLOSE * settings.cost_scale * self.point.cost
             self.secant = self.secant or (close and gain < GAIN_OF_GAUSS_NEWTON)
             if on_iteration is not None:
-                on_iteration(count, self.point.cost, _violation(self.point))
-        violation = _violation(self.point)
+                on_iteration(count, self.point.cost, largest_violation(self.point))
+        violation = largest_violation(self.point)
         return SqpResult(
             self.x,
             self.point.cost,
@@ -258,7 +259,7 @@ class _Iteration:
         merit, step = self._merit(self.point), answer.step
         trial = self._evaluate(step)
         gain = (merit - self._merit(trial)) / predicted
-        if gain < 0.75 and _violation(self.point) < _violation(trial) < 5.0:
+        if gain < 0.75 and largest_violation(self.point) < largest_violation(trial) < 5.0:
             corrected, second = self._corrected(trial, step)
             if self._merit(second) < self._merit(trial):
                 step, trial = corrected, second
@@ -284,7 +285,7 @@ class _Iteration:
         (steering rule, cf. Byrd, Nocedal and Waltz 2008), not only when the iteration has settled.
         """
         answer = self._subproblem(self.point, np.zeros_like(self.x))
-        violation = _violation(self.point)
+        violation = largest_violation(self.point)
         left = self._linear_violation(answer.step)
         while left > max(STEERED * violation, self.settings.feasible) and self.penalty < self.settings.max_penalty:
             self.penalty *= 10.0
@@ -338,7 +339,7 @@ class _Iteration:
         return self.evaluate(np.clip(self.x + self.scale * step, self.low, self.high))
 
     def _merit(self, point: PointEvaluation) -> float:
-        merit = self.settings.cost_scale * point.cost + self._price(_violation(point))
+        merit = self.settings.cost_scale * point.cost + self._price(largest_violation(point))
         # an iterate outside the domain of the formulas (nan, or a cost of nonsense) is no progress
         return merit if np.isfinite(merit) and point.cost > 0.0 else np.inf
 
@@ -384,6 +385,7 @@ class _Iteration:
         self.hessian = self.hessian - np.outer(Hs, Hs) / curvature + np.outer(change, change) / along
 
 
-def _violation(point: PointEvaluation) -> float:
+def largest_violation(point: PointEvaluation) -> float:
+    """Of a scaled constraint at a point; inf where one has no value."""
     worst = max(float(-np.min(point.margins, initial=0.0)), float(np.max(np.abs(point.equality), initial=0.0)))
     return max(0.0, worst) if np.isfinite(worst) else np.inf

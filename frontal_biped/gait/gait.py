@@ -81,6 +81,11 @@ class Gait:
         """beta_r- [rad]."""
         return self.rising.beta_end
 
+    @property
+    def speed_after_impact(self) -> float:
+        """dbeta_r+ on the periodic orbit [rad/s]."""
+        return self.orbit.beta_dot_after_impact
+
     def step(self, biped: FrontalBiped, nodes: int | None = None) -> StepOrbit:
         """The step of the zero dynamics; by default on as many nodes as `converged_nodes` finds necessary."""
         size = converged_nodes(biped, self.rising, self.falling, self.step_width) if nodes is None else nodes

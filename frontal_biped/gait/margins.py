@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from frontal_biped.gait.constraints import Constraint, clearance_limit, impact_limits, phase_limits, sole_heights
-from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.planned_step import PlannedStep
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.zero_dynamics.energy import PhaseEnergy
@@ -44,11 +44,11 @@ class ContactMargins:
 
     Attributes:
         biped: the robot.
-        gait: the gait.
+        gait: the gait, or the step between two gaits.
     """
 
     biped: FrontalBiped
-    gait: Gait
+    gait: PlannedStep
 
     @cached_property
     def limits(self) -> GaitSpecification:

@@ -108,6 +108,18 @@ class FreeParameters:
     falling_fri: FloatArray
 
 
+class StepBegin(NamedTuple):
+    """What a step begins with.
+
+    Attributes:
+        q_minus: (4,) pose at the impact before it [rad].
+        slope_plus: (3,) dq_b/dbeta behind that impact [-].
+    """
+
+    q_minus: FloatArray
+    slope_plus: FloatArray
+
+
 class PhaseParameters(NamedTuple):
     """Parameters of one phase, as `Phase` keeps them."""
 
@@ -146,12 +158,13 @@ def final_falling_slope(free: FreeParameters, q_minus: FloatArray) -> FloatArray
     return np.concatenate([np.ones(1), slope])
 
 
-def complete(biped: FrontalBiped, free: FreeParameters) -> tuple[Phase, Phase]:
+def complete(biped: FrontalBiped, free: FreeParameters, begin: StepBegin | None = None) -> tuple[Phase, Phase]:
     """Rising and falling phase with hybrid invariance built in.
 
     Args:
         biped: the robot.
         free: what invariance leaves free; M >= 4 so that the determined columns do not meet.
+        begin: what the step begins with; default: the impact it ends with, as in a gait.
 
     Returns:
         Rising and falling phase.
@@ -160,8 +173,9 @@ def complete(biped: FrontalBiped, free: FreeParameters) -> tuple[Phase, Phase]:
         UnreachablePoseError: the final pose does not exist.
     """
     q_minus = double_support_pose(biped, free.beta_impact, free.step_width)
-    slope = impact_slope(biped, q_minus, final_falling_slope(free, q_minus)).slope
-    rising = rising_parameters(free, q_minus, slope)
+    if begin is None:
+        begin = StepBegin(q_minus, impact_slope(biped, q_minus, final_falling_slope(free, q_minus)).slope)
+    rising = rising_parameters(free, *begin)
     falling = falling_parameters(free, q_minus, rising)
     return _phase(rising), _phase(falling)
 

@@ -142,7 +142,7 @@ def test_periodicity_vanishes_where_the_marginal_condition_does(biped, reference
 
 def test_variables_there_and_back(problem):
     x = problem.start() + np.arange(problem.size)
-    assert np.array_equal(problem.pack(problem.unpack(x)), x)
+    assert np.array_equal(problem.layout.pack(problem.layout.unpack(x)), x)
 
 
 def test_start_is_inside_its_bounds(problem):
@@ -165,7 +165,7 @@ def test_an_iterate_without_an_orbit_still_has_a_gradient(biped):
     """Where zeta is negative the cost is continued smoothly, and a margin says that the orbit is missing."""
     problem = DesignProblem(biped, GaitSpecification(), NODES)
     x = problem.start()
-    x[problem._splits[2] :] = 0.3  # an FRI far beyond the sole turns the moment of the weight round
+    x[problem.layout.fri] = 0.3  # an FRI far beyond the sole turns the moment of the weight round
     point = problem.evaluate(x)
     assert np.isfinite(point.cost)
     assert np.all(np.isfinite(point.cost_gradient))

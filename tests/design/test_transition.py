@@ -7,14 +7,15 @@ from random_states import assert_close
 from frontal_biped.control.controller import QpController
 from frontal_biped.control.sequence import GaitSequence
 from frontal_biped.design import design_gait, design_transition
+from frontal_biped.design.ends import Between
 from frontal_biped.design.problem import DesignProblem
-from frontal_biped.design.transition import TransitionProblem
 from frontal_biped.exceptions import DesignFailedError, GaitFileError
 from frontal_biped.gait import GaitSpecification
 from frontal_biped.model import impact
 from frontal_biped.model.state import State
 from frontal_biped.simulation.event_driven import simulate_walk
 from frontal_biped.simulation.settings import SimulationSettings
+from frontal_biped.zero_dynamics.poincare import step_orbit
 
 JOINED = 1e-9
 """Pose, slope and relative speed at a switch."""
@@ -46,21 +47,31 @@ def transition(biped, ends):
 
 
 def test_it_begins_where_the_first_gait_lands(transition, ends):
-    q, dq = transition.gait.state_after_impact()
+    begin = transition.rising.motion(np.array([transition.rising.beta_start]))
     q_first, dq_first = ends[0].state_after_impact()
-    assert_close(q, q_first, JOINED)
-    assert_close(dq, dq_first, JOINED)
+    assert_close(begin.q[0], q_first, JOINED)
+    assert_close(begin.dq[0] * transition.speed_after_impact, dq_first, JOINED)
 
 
 def test_it_lands_where_the_second_gait_lands(biped, transition, ends):
     states = []
-    for gait in (transition.gait, ends[1]):
-        step = gait.step(biped, 40)
+    for walked in (transition, ends[1]):
+        step = step_orbit(biped, walked.rising, walked.falling, walked.step_width, 40)
         q = step.falling.motion.q[-1]
         states.append(impact(biped, q, step.falling.motion.dq[-1] * step.falling.dbeta[-1]))
     assert_close(states[0].q_plus, states[1].q_plus, JOINED)
     assert_close(states[0].dq_plus, states[1].dq_plus, 10.0 * JOINED)
     assert abs(transition.speed_error) < JOINED
+
+
+def test_its_numbers_are_those_of_the_step(biped, transition, ends):
+    """On other quadrature nodes; it lands as wide as the second gait."""
+    step = step_orbit(biped, transition.rising, transition.falling, transition.step_width, 60)
+    assert transition.step_width == ends[1].step_width
+    assert transition.duration == pytest.approx(float(step.duration), rel=JOINED)
+    assert transition.cost == pytest.approx(float(step.cost), rel=JOINED)
+    assert transition.speed_after_impact == pytest.approx(float(step.rising.dbeta[-1]), rel=JOINED)
+    assert transition.speed_before_impact == pytest.approx(float(step.falling.dbeta[-1]), rel=JOINED)
 
 
 def test_every_constraint_holds(transition):
@@ -70,7 +81,7 @@ def test_every_constraint_holds(transition):
 
 def test_full_model_walks_from_one_to_the_other(biped, transition, ends):
     before, after = ends
-    parts = [(before, 1), (transition.gait, 1), (after, 2)]
+    parts = [(before, 1), (transition, 1), (after, 2)]
     sequence = GaitSequence([(QpController(biped, gait), steps) for gait, steps in parts])
     run = simulate_walk(biped, sequence, State(*before.state_after_impact()), SimulationSettings(steps=3))
     assert not run.fell
@@ -79,7 +90,7 @@ def test_full_model_walks_from_one_to_the_other(biped, transition, ends):
 
 
 def test_derivatives_against_differences(biped, narrow, wide):
-    problem = TransitionProblem(biped, GaitSpecification(), 16, narrow, wide)
+    problem = DesignProblem(biped, GaitSpecification(), 16, ends=Between(biped, narrow, wide))
     low, high = problem.bounds()
     free = np.flatnonzero(high > low)
     assert problem.size - len(free) == 5  # beta_f-, the step width and one column
@@ -97,9 +108,8 @@ def test_derivatives_against_differences(biped, narrow, wide):
 
 def test_a_gait_is_a_transition_to_itself(biped, narrow):
     """The periodic gait solves its own transition problem: both equalities vanish at its variables."""
-    specification = narrow.specification
-    problem = TransitionProblem(biped, specification, 40, narrow, narrow)
-    x = DesignProblem(biped, specification, 40).variables(narrow)
+    problem = DesignProblem(biped, narrow.specification, 40, ends=Between(biped, narrow, narrow))
+    x = problem.variables(narrow)
     assert_close(problem.evaluate(x).equality, np.zeros(2), JOINED, floor=1.0)
 
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import ReversalError
-from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.margins import ContactMargins
+from frontal_biped.gait.planned_step import PlannedStep
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.anchoring import (
     anchored_falling,
@@ -74,7 +74,7 @@ class FixedTransitions:
         gait: the gait.
     """
 
-    gait: Gait
+    gait: PlannedStep
 
     name = "fixed"
 
@@ -103,7 +103,7 @@ class ReanchoringTransitions:
     """
 
     biped: FrontalBiped
-    gait: Gait
+    gait: PlannedStep
     anticipate: bool = True
     rejoin: bool = True
 
@@ -161,7 +161,7 @@ class ReanchoringTransitions:
         """The rising phase anchored to the state after the impact."""
         planned = self.planned_rising
         q, slope = self._planned_start
-        if abs(landed.dbeta) > SLOWEST * self.gait.orbit.beta_dot_after_impact:
+        if abs(landed.dbeta) > SLOWEST * self.gait.speed_after_impact:
             slope = landed.slope
         pose_error = float(np.max(np.abs(landed.q - q)))
         slope_error = float(np.max(np.abs(slope - self._planned_start[1]))) * abs(planned.range)
