@@ -12,7 +12,7 @@ You should see:
       roll within 0.12 rad: J = 368.0
       roll within 0.14 rad: J = 350.8
     between them, 0.11 rad: J = 377.9, residuals below 1e-9: True
-    one step from the first gait to the second: J = 613.6, constraints kept: True, arrives at the right speed: True
+    one step from the first gait to the second: J = 576.2, constraints kept: True, arrives at the right speed: True
 
 Try to pass `worker_processes(2)` as the third argument of `build_library`: the same files, byte for byte.
 """

@@ -113,7 +113,7 @@ class Between:
 
     def held(self, layout: VariableLayout) -> tuple[list[int], FloatArray]:
         """What the second gait's landing fixes."""
-        which = [1, 2, *layout.last_rising_column]
+        which = [1, 2, *layout.last_falling_column]
         return which, layout.of(self._after)[which]
 
     def completed(self, free: FreeParameters) -> FreeParameters:

@@ -25,7 +25,7 @@ class VariableLayout:
     Attributes:
         size: P.
         fri: which variables are FRI coefficients.
-        last_rising_column: which variables are the rising column M.
+        last_falling_column: which variables are the falling column M - 1.
     """
 
     def __init__(self, degree: int, fri_degree: int) -> None:
@@ -33,7 +33,7 @@ class VariableLayout:
         sizes = [3, 3 * (degree - 1), 3 * (degree - 2), fri_degree + 1, fri_degree]
         self._splits = np.cumsum(sizes)
         self.size = int(self._splits[-1])
-        self.last_rising_column = range(int(self._splits[1]) - 3, int(self._splits[1]))
+        self.last_falling_column = range(int(self._splits[2]) - 3, int(self._splits[2]))
         self.fri = slice(int(self._splits[2]), self.size)
 
     def unpack(self, x: FloatArray) -> FreeParameters:

@@ -106,6 +106,15 @@ def test_derivatives_against_differences(biped, narrow, wide):
             assert np.max(error) < GRADIENT_TOLERANCE, (part, i)
 
 
+def test_every_free_variable_moves_the_step(biped, narrow, wide):
+    """Held is what the second gait's landing fixes, and nothing that the step could use."""
+    problem = DesignProblem(biped, GaitSpecification(), 16, ends=Between(biped, narrow, wide))
+    low, high = problem.bounds()
+    point = problem.evaluate(problem.start())
+    effect = np.max(np.abs(np.vstack([point.equality_jacobian, point.margins_jacobian])), axis=0)
+    assert np.all(effect[high > low] > 1e-3)
+
+
 def test_a_gait_is_a_transition_to_itself(biped, narrow):
     """The periodic gait solves its own transition problem: both equalities vanish at its variables."""
     problem = DesignProblem(biped, narrow.specification, 40, ends=Between(biped, narrow, narrow))
