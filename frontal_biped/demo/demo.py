@@ -3,8 +3,9 @@
 import shutil
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -78,11 +79,10 @@ def make_demo(biped: FrontalBiped, folder: Path, on_progress: Say | None = None)
         made.mkdir()
         report, run, gait, figures = _compute(biped, folder, made / "figures", say, seconds)
         say("drawing the page")
-        began = time.perf_counter()
-        save_gait(gait, made / "gait.json")
-        save_trajectory(run, made / "run.npz")
-        _draw(biped, run, report, figures, made)
-        seconds["page"] = time.perf_counter() - began
+        with _timed("page", seconds):
+            save_gait(gait, made / "gait.json")
+            save_trajectory(run, made / "run.npz")
+            _draw(biped, run, report, figures, made)
         write_json(made / "report.json", report.as_dict())
         shutil.copytree(made, folder, dirs_exist_ok=True)
     return report
@@ -93,9 +93,9 @@ def _compute(
 ) -> tuple[DemoReport, Trajectory, Gait, list[Path]]:
     from frontal_biped.figures.write import write_figures
 
-    def timed(stage: str) -> "_Stage":
+    def timed(stage: str) -> AbstractContextManager[None]:
         say(stage)
-        return _Stage(stage, seconds)
+        return _timed(stage, seconds)
 
     with timed("design"):
         design = design_gait(
@@ -249,14 +249,9 @@ class _Shared(Generic[T]):
         return self._own[0] if self._own else self._future.result()
 
 
-class _Stage:
+@contextmanager
+def _timed(stage: str, seconds: dict[str, float]) -> Iterator[None]:
     """Wall time of a stage."""
-
-    def __init__(self, name: str, seconds: dict[str, float]) -> None:
-        self.name, self.seconds = name, seconds
-
-    def __enter__(self) -> None:
-        self.began = time.perf_counter()
-
-    def __exit__(self, *_: object) -> None:
-        self.seconds[self.name] = time.perf_counter() - self.began
+    began = time.perf_counter()
+    yield
+    seconds[stage] = time.perf_counter() - began
