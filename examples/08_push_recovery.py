@@ -49,7 +49,7 @@ def main() -> None:
             if run.fell:
                 print(f"{impulse:4.0f} N s, {stabiliser:8}  falls: {run.outcome}")
                 continue
-            error = run.post_impact_states()[-1, 4] / gait.orbit.beta_dot_after_impact - 1.0
+            error = run.post_impact_speeds[-1] / gait.orbit.beta_dot_after_impact - 1.0
             back = f"back at its speed after {STEPS} steps: {abs(error) < 0.05}"
             print(f"{impulse:4.0f} N s, {stabiliser:8}  walks on; {back}")
             assert abs(error) < 0.05 or stabiliser == "adaptive"

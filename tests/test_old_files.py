@@ -87,7 +87,7 @@ class TestGait:
         gait = load_gait(OLD / name)
         run = simulate(walker, gait, steps=1, period=1e-3)
         assert run.outcome == "completed"
-        assert run.post_impact_states()[-1, 4] == pytest.approx(gait.orbit.beta_dot_after_impact, rel=RETURN)
+        assert run.post_impact_speeds[-1] == pytest.approx(gait.orbit.beta_dot_after_impact, rel=RETURN)
 
     def test_saved_again_byte_for_byte(self, old_gait, tmp_path):
         save_gait(old_gait, tmp_path / "gait.json")
@@ -103,7 +103,7 @@ class TestGait:
 class TestRun:
     def test_what_happened(self, run, walker, old_gait):
         assert (run.outcome, run.steps_completed, run.robot) == ("completed", 2, "walker")
-        speeds = run.post_impact_states()[:, 4]
+        speeds = run.post_impact_speeds
         assert speeds == pytest.approx(np.full(3, old_gait.orbit.beta_dot_after_impact), rel=RETURN)
         assert run.t[-1] == pytest.approx(2.0 * old_gait.orbit.step_duration, rel=RETURN)
         assert np.all(np.abs(run.u) <= old_gait.specification.torque_limits(walker))

@@ -119,4 +119,4 @@ def _fate(biped: FrontalBiped, gait: Gait, stabiliser: str, push: Push) -> tuple
 
 def speed_errors(run: Trajectory, gait: Gait) -> FloatArray:
     """(k,) relative errors of the post-impact speeds of a run, unsigned [-]."""
-    return np.abs(run.post_impact_states()[:, 4] / gait.orbit.beta_dot_after_impact - 1.0)
+    return np.abs(run.post_impact_speeds / gait.orbit.beta_dot_after_impact - 1.0)

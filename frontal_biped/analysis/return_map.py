@@ -17,7 +17,7 @@ from frontal_biped.gait.margins import ContactMargins, Margin
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
 from frontal_biped.zero_dynamics.energy import PhaseEnergy
-from frontal_biped.zero_dynamics.half_steps import Landed, falling_energy, land_on_constraints, rising_energy
+from frontal_biped.zero_dynamics.half_steps import ConstrainedState, falling_energy, land_on_constraints, rising_energy
 
 RETURNED = 0.01
 """Relative speed error that counts as returned."""
@@ -52,11 +52,11 @@ class RestrictedStep:
         margins: room to every contact constraint, the least over the step.
     """
 
-    start: Landed
+    start: ConstrainedState
     reversal: float
     rising: RisingConstraints
     falling: VirtualConstraints
-    landed: Landed
+    landed: ConstrainedState
     width: float
     margins: tuple[Margin, ...]
 
@@ -95,13 +95,13 @@ class RestrictedMap:
         self.limits = ContactMargins(biped, gait)
         self._last: tuple[RisingConstraints, PhaseEnergy] | None = None
 
-    def start(self, speed_ratio: float = 1.0) -> Landed:
+    def start(self, speed_ratio: float = 1.0) -> ConstrainedState:
         """After the impact of the gait, its speed multiplied."""
         rising = self.gait.rising
         at = rising.motion(np.array([rising.beta_start]))
-        return Landed(at.q[0], at.dq[0, 1:], speed_ratio * self.gait.orbit.beta_dot_after_impact)
+        return ConstrainedState(at.q[0], at.dq[0, 1:], speed_ratio * self.gait.orbit.beta_dot_after_impact)
 
-    def step(self, start: Landed) -> RestrictedStep:
+    def step(self, start: ConstrainedState) -> RestrictedStep:
         """One step.
 
         Raises:
@@ -115,13 +115,13 @@ class RestrictedMap:
         reversal = up.reversal(start.dbeta)
         falling = self.stabiliser.falling(rising, reversal)
         down = falling_energy(self.biped, falling, reversal)
-        landed = land_on_constraints(self.biped, down)[2]
+        landed = land_on_constraints(self.biped, down)
         margins = [*self.limits.rising(up, start.dbeta, reversal), *self.limits.falling(down, reversal)]
         q_minus = landed.q[::-1]
         width = float(self.biped.joint_positions(q_minus)[3, 0])
         return RestrictedStep(start, reversal, rising, falling, landed, width, tuple(margins))
 
-    def speed_ratio(self, landed: Landed) -> float:
+    def speed_ratio(self, landed: ConstrainedState) -> float:
         """Post-impact speed relative to the gait's [-]."""
         return landed.dbeta / self.gait.orbit.beta_dot_after_impact
 

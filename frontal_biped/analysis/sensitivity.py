@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from frontal_biped.control.sampling import sampled_frequency as sampled_frequency
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers.by_name import make_stabiliser
 from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions, Stabiliser
@@ -117,7 +116,7 @@ def simulated_multiplier(biped: FrontalBiped, gait: Gait, relative_step: float =
     speed = []
     for sign in (+1.0, -1.0):
         run = simulate(biped, gait, steps=1, speed_error=sign * relative_step, stabiliser="fixed")
-        speed.append(run.post_impact_states()[-1, 4] if not run.fell else np.nan)
+        speed.append(run.post_impact_speeds[-1] if not run.fell else np.nan)
     return float((speed[0] - speed[1]) / (2.0 * relative_step * gait.orbit.beta_dot_after_impact))
 
 
@@ -188,5 +187,5 @@ def speed_error_outcome(
         outcome=run.outcome,
         reversal_shift=float(shift),
         worst_output_error=float(np.max(np.abs(run.output_error))),
-        final_speed_error=float(run.post_impact_states()[-1, 4] / gait.orbit.beta_dot_after_impact - 1.0),
+        final_speed_error=float(run.post_impact_speeds[-1] / gait.orbit.beta_dot_after_impact - 1.0),
     )

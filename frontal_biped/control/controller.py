@@ -20,7 +20,7 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.state import State
 from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
 from frontal_biped.virtual_constraints.phase import StepPhase
-from frontal_biped.zero_dynamics.half_steps import Landed
+from frontal_biped.zero_dynamics.half_steps import ConstrainedState
 
 Constraints = TypeVar("Constraints", bound=VirtualConstraints)
 
@@ -135,7 +135,7 @@ class QpController:
             self._phases[phase] = self._chosen(lambda by: by.falling(self._rising, reversal)) or self.gait.falling
         else:
             rate = float(dq[0])
-            landed = Landed(q.copy(), dq[1:] / rate if rate else np.zeros(BODY_JOINTS), rate)
+            landed = ConstrainedState(q.copy(), dq[1:] / rate if rate else np.zeros(BODY_JOINTS), rate)
             self._phases[phase] = self._rising = self._chosen(lambda by: by.rising(landed)) or self.gait.rising
 
     def _chosen(self, ask: Callable[[Stabiliser], Constraints]) -> Constraints | None:

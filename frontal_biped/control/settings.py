@@ -58,3 +58,12 @@ class ControllerSettings:
         """Defaults, with the friction, normal force and torque limits that the gait was designed for."""
         asked = gait.specification
         return cls(friction=asked.friction, min_normal_force=asked.min_normal_force, max_torque=asked.max_torque)
+
+
+def sampled_frequency(period: float) -> float:
+    """Natural frequency of the error dynamics for torques held for a period [rad/s]: a tenth of the rate, at most 100.
+
+    Held torques leave an error at every impact, when the old stance ankle's torque acts on a light swing foot; it must
+    be gone within the phase. On the feet of G1 and iCub 30 rad/s are too slow for that.
+    """
+    return min(100.0, 0.1 / period)

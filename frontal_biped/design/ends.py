@@ -11,8 +11,9 @@ from frontal_biped.design.variables import VariableLayout
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.impact import Landing, impact
 from frontal_biped.virtual_constraints.invariance import FreeParameters, StepBegin, double_support_pose
-from frontal_biped.zero_dynamics.poincare import Landing, StepOrbit, landing_on_constraints
+from frontal_biped.zero_dynamics.poincare import StepOrbit
 
 
 class Departure(NamedTuple):
@@ -97,9 +98,9 @@ class Between:
         start = before.rising.motion(np.array([before.rising.beta_start]))
         landed = before.falling.motion(np.array([before.falling.beta_end]))
         end = after.falling.motion(np.array([after.falling.beta_end]))
-        arrival = landing_on_constraints(biped, end.q[0], end.dq[0])
+        arrival = impact(biped, end.q[0], end.dq[0])
         self.departure = Departure(
-            StepBegin(start.q[0][::-1], start.dq[0, 1:]), landing_on_constraints(biped, landed.q[0], landed.dq[0])
+            StepBegin(start.q[0][::-1], start.dq[0, 1:]), impact(biped, landed.q[0], landed.dq[0])
         )
         self.speed_after_impact = before.orbit.beta_dot_after_impact
         self.speed_before_impact = after.orbit.beta_dot_after_impact / float(arrival.speed_ratio)

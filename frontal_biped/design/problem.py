@@ -24,6 +24,7 @@ from frontal_biped.gait.constraints import Constraint, SoleHeights, step_constra
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.impact import Landing
 from frontal_biped.numerics.quadrature import reversal_quadrature
 from frontal_biped.virtual_constraints.invariance import (
     FreeParameters,
@@ -36,7 +37,7 @@ from frontal_biped.virtual_constraints.invariance import (
 )
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase, constrained_motion, phase_basis
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit, integrate_from_reversal
-from frontal_biped.zero_dynamics.poincare import Landing, StepOrbit
+from frontal_biped.zero_dynamics.poincare import StepOrbit
 from frontal_biped.zero_dynamics.restricted import TORQUES, RestrictedDynamics
 
 FLOOR_Z = 1e-2
@@ -253,7 +254,8 @@ class DesignProblem:
         q_minus = self._differentiable.double_support_pose(x[1], x[2])
         dq_minus = final_falling_slope(free, cast("FloatArray", q_minus))
         flat = self._differentiable.impact(q_minus, cast("Dual", dq_minus))
-        landing = Landing(*(cast("FloatArray", flat[part]) for part in _LANDING_PARTS))
+        rates = (flat[rows] for rows in _LANDING_ROWS)
+        landing = Landing(*(cast("FloatArray", part) for part in (q_minus[::-1], *rates)))
         departure = self.ends.departure
         if departure is None:
             begin = StepBegin(cast("FloatArray", q_minus), landing.dq_plus[1:] / landing.speed_ratio)
@@ -297,7 +299,8 @@ def _leading(M: int, degree: int) -> FloatArray:
     return np.ascontiguousarray(np.linalg.qr(np.array(rows).T)[0].T)
 
 
-_LANDING_PARTS = (slice(0, 4), slice(4, 7), slice(7, 9), slice(9, 11))
+_LANDING_ROWS = (slice(0, 4), slice(4, 7), slice(7, 9), slice(9, 11))
+"""Of `DifferentiableBiped.impact`: dq_plus, impulse, lift_off, touchdown."""
 
 
 def _weighted_torques(orbit: PhaseOrbit, step_width: float) -> FloatArray:

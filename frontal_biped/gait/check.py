@@ -9,9 +9,10 @@ from frontal_biped.gait.constraints import Constraint, SoleHeights, sole_heights
 from frontal_biped.gait.gait import MIN_NODES
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.impact import Landing
 from frontal_biped.virtual_constraints.phase import Phase
 from frontal_biped.zero_dynamics.orbit import resample
-from frontal_biped.zero_dynamics.poincare import Landing, StepOrbit
+from frontal_biped.zero_dynamics.poincare import StepOrbit
 
 DENSER = 40
 """Intervals of the check for each of the `MIN_NODES` that an orbit is integrated on, which are the optimiser's."""

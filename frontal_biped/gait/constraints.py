@@ -13,8 +13,9 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import GRAVITY
+from frontal_biped.model.impact import Landing
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit
-from frontal_biped.zero_dynamics.poincare import Landing, StepOrbit
+from frontal_biped.zero_dynamics.poincare import StepOrbit
 from frontal_biped.zero_dynamics.restricted import F_H, TORQUES
 
 STEP_WIDTH = "step width"

@@ -10,6 +10,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.state import State
 from frontal_biped.virtual_constraints.invariance import invariance_residuals
 from frontal_biped.virtual_constraints.phase import Phase
 from frontal_biped.zero_dynamics.poincare import HybridZeroDynamics, StepOrbit, step_orbit
@@ -91,10 +92,10 @@ class Gait:
         size = converged_nodes(biped, self.rising, self.falling, self.step_width) if nodes is None else nodes
         return step_orbit(biped, self.rising, self.falling, self.step_width, size)
 
-    def state_after_impact(self) -> tuple[FloatArray, FloatArray]:
-        """(q, dq) at the start of the rising phase on the periodic orbit, (4,) [rad] and (4,) [rad/s]."""
+    def state_after_impact(self) -> State:
+        """The state at the start of the rising phase on the periodic orbit."""
         motion = self.rising.motion(np.array([self.rising.beta_start]))
-        return motion.q[0], motion.dq[0] * self.orbit.beta_dot_after_impact
+        return State(motion.q[0], motion.dq[0] * self.orbit.beta_dot_after_impact)
 
     def residuals(self, biped: FrontalBiped, step: StepOrbit | None = None) -> dict[str, float]:
         """How far the gait is from being one; every entry should be below 1e-9.

@@ -15,9 +15,9 @@ from frontal_biped.gait.constraints import Constraint, clearance_limit, impact_l
 from frontal_biped.gait.planned_step import PlannedStep
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.impact import Landing
 from frontal_biped.zero_dynamics.energy import PhaseEnergy
 from frontal_biped.zero_dynamics.half_steps import landing_at_end, speed_at_end
-from frontal_biped.zero_dynamics.poincare import Landing
 from frontal_biped.zero_dynamics.restricted import F_V
 
 LIFTED = 1e-3

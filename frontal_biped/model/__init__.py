@@ -2,7 +2,7 @@
 
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import load_robot, load_whole_robot, models_dir, robot_names
-from frontal_biped.model.impact import Impact, impact
+from frontal_biped.model.impact import Landing, impact
 from frontal_biped.model.robot import FootSole, JointLimits, Robot, Soles
 from frontal_biped.model.stance_map import Stance, StanceMap, relabel
 from frontal_biped.model.state import State
@@ -11,7 +11,7 @@ from frontal_biped.model.urdf.description import RobotDescription, Sole
 __all__ = [
     "FootSole",
     "FrontalBiped",
-    "Impact",
+    "Landing",
     "JointLimits",
     "Robot",
     "RobotDescription",

@@ -8,12 +8,11 @@ from typing import Any
 
 from frontal_biped.control.controller import QpController
 from frontal_biped.control.interface import Contract
-from frontal_biped.control.settings import ControllerSettings
+from frontal_biped.control.settings import ControllerSettings, sampled_frequency
 from frontal_biped.control.stabilisers.by_name import make_stabiliser
 from frontal_biped.control.walker.walker import Walker
 from frontal_biped.exceptions import FrontalBipedError, ScenarioError
 from frontal_biped.scenarios.preparation import Conditions, Prepared
-from frontal_biped.simulation.walking import sampled_frequency
 
 QP_STABILISER = "ankle+step"
 """Of the controller that is told state and events, where the scenario names none."""

@@ -10,7 +10,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import UPRIGHT
-from frontal_biped.model.impact import Impact, impact
+from frontal_biped.model.impact import Landing, impact
 
 FLAT_LANDING = 0.02
 """Largest rotation of the swing foot [rad] that settles flat at impact; a steeper one is a stumble."""
@@ -101,7 +101,7 @@ def walking_guards(biped: FrontalBiped, leaving: float = 0.0, landing: float = 0
 
 def land(
     biped: FrontalBiped, q_minus: FloatArray, dq_minus: FloatArray, flat_landing: float = FLAT_LANDING
-) -> Impact | None:
+) -> Landing | None:
     """Reset at impact: rigid impact and relabelling; None for a landing too steep to settle flat.
 
     A foot that lands at a small angle settles flat at once: the rest of the robot keeps its orientation, so that
@@ -113,4 +113,4 @@ def land(
     landing = impact(biped, q_minus, dq_minus)
     q_plus = landing.q_plus.copy()
     q_plus[0] -= rotation
-    return Impact(q_plus, landing.dq_plus, landing.impulse, landing.lift_off)
+    return landing._replace(q_plus=q_plus)

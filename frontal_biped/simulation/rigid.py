@@ -177,7 +177,7 @@ class RigidEngine:
             return EventKind.SLIPPED
         self._foot_y = {swing: self.foot_position(swing)[0]}
         self._motion[swing].u = relabel(self.motion.u)  # joint torques persist through the impact
-        self.state = State(landing.q_plus, landing.dq_plus)
+        self.state = landing.state
         self._ground[swing] = self._next_ground[swing]
         self.stance, self.motion, self.phase, self._turns = swing, self._motion[swing], StepPhase.RISING, 0
         self._guard()

@@ -5,8 +5,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from frontal_biped.control.controller import QpController
-from frontal_biped.control.sampling import sampled_frequency as sampled_frequency
-from frontal_biped.control.settings import ControllerSettings
+from frontal_biped.control.settings import ControllerSettings, sampled_frequency
 from frontal_biped.control.stabilisers.by_name import make_stabiliser
 from frontal_biped.control.stabilisers.transitions import Stabiliser
 from frontal_biped.control.walker.walker import Walker

@@ -8,9 +8,9 @@ from scipy.optimize import brentq
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.impact import Landing, impact
 from frontal_biped.virtual_constraints.contract import RisingConstraints, RisingT, VirtualConstraints
 from frontal_biped.zero_dynamics.energy import PhaseEnergy, phase_energy
-from frontal_biped.zero_dynamics.poincare import Landing, landing_on_constraints
 
 SURPLUS_ACCURACY = 1e-4
 """Energy error that is left to the transitions [kg^2 m^4/s^2]; a gait has some hundreds."""
@@ -23,8 +23,8 @@ BLOCKED = 1e4
 
 
 @dataclass(frozen=True)
-class Landed:
-    """The state after an impact.
+class ConstrainedState:
+    """A state on the virtual constraints, where a rising phase begins: dq = (1, slope) dbeta, whatever dbeta is.
 
     Attributes:
         q: (4,) configuration [rad].
@@ -57,21 +57,21 @@ def rising_energy(biped: FrontalBiped, phase: RisingConstraints, dbeta: float = 
     return phase_energy(biped, phase, phase.beta_start, end, (middle, *panels), to_barrier=True, dbeta=dbeta)
 
 
-def land_on_constraints(biped: FrontalBiped, falling: PhaseEnergy) -> tuple[Landing, float, Landed]:
-    """Landing of a falling phase that began at rest: the impact, dbeta before it [rad/s], and the state after it.
+def land_on_constraints(biped: FrontalBiped, falling: PhaseEnergy) -> ConstrainedState:
+    """The state after the landing of a falling phase that began at rest.
 
     Raises:
         ReversalError: the robot stops before the impact.
     """
-    landing, dbeta, last = landing_at_end(biped, falling), speed_at_end(falling), falling.panels[-1]
+    landing, dbeta = landing_at_end(biped, falling), speed_at_end(falling)
     after = landing.dq_plus
-    return landing, dbeta, Landed(last.motion.q[-1][::-1].copy(), after[1:] / after[0], float(after[0] * dbeta))
+    return ConstrainedState(landing.q_plus.copy(), after[1:] / after[0], float(after[0] * dbeta))
 
 
 def landing_at_end(biped: FrontalBiped, falling: PhaseEnergy) -> Landing:
     """The impact at the end of a falling phase, per unit of dbeta."""
     last = falling.panels[-1]
-    return landing_on_constraints(biped, last.motion.q[-1], last.motion.dq[-1])
+    return impact(biped, last.motion.q[-1], last.motion.dq[-1])
 
 
 def speed_at_end(falling: PhaseEnergy) -> float:

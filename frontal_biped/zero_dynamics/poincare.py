@@ -17,39 +17,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.impact import impact
+from frontal_biped.model.impact import Landing, impact
 from frontal_biped.virtual_constraints.phase import Phase
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit, phase_orbit
-
-
-class Landing(NamedTuple):
-    """The impact on Z per unit of dbeta_f-, which is negative.
-
-    Attributes:
-        dq_plus: (4,) relabelled velocities after the impact; the first is the ratio dbeta_r+ / dbeta_f- [-].
-        impulse: (3,) L_h, L_v [kg m] and moment about the sole point below the landing ankle [kg m^2].
-        lift_off: (2,) vertical velocity of the old stance sole's inner and outer end after the impact [m].
-        touchdown: (2,) vertical velocity of the landing sole's inner and outer end before it [m].
-    """
-
-    dq_plus: FloatArray
-    impulse: FloatArray
-    lift_off: FloatArray
-    touchdown: FloatArray
-
-    @property
-    def speed_ratio(self) -> float:
-        """dbeta_r+ / dbeta_f- [-], negative."""
-        return self.dq_plus[0]
-
-
-def landing_on_constraints(biped: FrontalBiped, q_minus: FloatArray, dq_dbeta_minus: FloatArray) -> Landing:
-    """Impact at pose q- (4,) with the slope dq/dbeta (4,) of the falling phase."""
-    result = impact(biped, q_minus, dq_dbeta_minus)
-    touchdown = biped.swing_sole_jacobian(q_minus)[:, 1] @ dq_dbeta_minus
-    return Landing(result.dq_plus, result.impulse, result.lift_off, touchdown)
 
 
 class StepOrbit(NamedTuple):
@@ -58,7 +29,7 @@ class StepOrbit(NamedTuple):
     Attributes:
         rising: from impact to reversal, integrated backwards from the reversal.
         falling: from reversal to impact.
-        landing: the impact.
+        landing: the impact, per unit of dbeta_f-, which is negative.
         step_width: distance between the ankles [m].
     """
 
@@ -105,7 +76,7 @@ def step_orbit(
     """The step through a reversal point, by default the planned one, on ``size`` quadrature nodes a phase."""
     up = phase_orbit(biped, rising, +1, size, beta_reversal)
     down = phase_orbit(biped, falling, -1, size, beta_reversal)
-    landing = landing_on_constraints(biped, down.motion.q[-1], down.motion.dq[-1])
+    landing = impact(biped, down.motion.q[-1], down.motion.dq[-1])
     return StepOrbit(up, down, landing, step_width)
 
 

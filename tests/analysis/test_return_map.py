@@ -92,7 +92,7 @@ def test_map_against_the_full_model(biped, request, name, stabiliser, error):
         landed = step.landed
         speeds.append(landed.dbeta)
         reversals.append(step.reversal)
-    assert run.post_impact_states()[1:, 4] == pytest.approx(speeds, rel=MAP)
+    assert run.post_impact_speeds[1:] == pytest.approx(speeds, rel=MAP)
     assert run.event_state[run.events("REVERSAL"), 0] == pytest.approx(reversals, abs=1e-6)
     assert np.max(np.abs(run.output_error)) < INVARIANCE
     assert run.settings["controller"]["unsolved"] == 0
@@ -110,7 +110,7 @@ def landed_speeds(biped, gait, stabiliser, ratio):
         simulation_settings=SimulationSettings(rtol=1e-8, atol=1e-10, record_rate=50.0),
     )
     assert run.outcome == "completed"
-    return run.post_impact_states()[-1, 4], restricted.step(restricted.start(float(ratio))).landed.dbeta
+    return run.post_impact_speeds[-1], restricted.step(restricted.start(float(ratio))).landed.dbeta
 
 
 @pytest.mark.slow
@@ -167,7 +167,7 @@ def test_robust_gait_under_the_ankle_law_returns_from_far(biped, robust_gait):
     for error in (-0.6, 0.8):
         run = simulate(biped, robust_gait, steps=6, speed_error=error, stabiliser="ankle", simulation_settings=SETTINGS)
         assert run.outcome == "completed"
-        assert run.post_impact_states()[-1, 4] == pytest.approx(robust_gait.orbit.beta_dot_after_impact, rel=1e-4)
+        assert run.post_impact_speeds[-1] == pytest.approx(robust_gait.orbit.beta_dot_after_impact, rel=1e-4)
         friction = robust_gait.specification.friction
         assert np.all(np.abs(run.force[:, 0]) < friction * run.force[:, 1])
         assert np.all(run.force[:, 1] > robust_gait.specification.min_normal_force * biped.weight)

@@ -78,7 +78,7 @@ def test_largest_push_is_survived_and_a_larger_one_is_not(biped, robust_gait):
         push = Push(start, 0.05, factor * found.impulse)
         disturbances = Disturbances(pushes=(push,))
         run = simulate(biped, robust_gait, steps=6, period=1e-3, stabiliser="ankle", disturbances=disturbances)
-        last = run.post_impact_states()[-1, 4] / robust_gait.orbit.beta_dot_after_impact
+        last = run.post_impact_speeds[-1] / robust_gait.orbit.beta_dot_after_impact
         assert (run.fell or abs(last - 1.0) > RECOVERED) == falls
 
 

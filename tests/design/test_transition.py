@@ -12,7 +12,6 @@ from frontal_biped.design.problem import DesignProblem
 from frontal_biped.exceptions import DesignFailedError, GaitFileError
 from frontal_biped.gait import GaitSpecification
 from frontal_biped.model import impact
-from frontal_biped.model.state import State
 from frontal_biped.simulation.event_driven import simulate_walk
 from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.zero_dynamics.poincare import step_orbit
@@ -83,7 +82,7 @@ def test_full_model_walks_from_one_to_the_other(biped, transition, ends):
     before, after = ends
     parts = [(before, 1), (transition, 1), (after, 2)]
     sequence = GaitSequence([(QpController(biped, gait), steps) for gait, steps in parts])
-    run = simulate_walk(biped, sequence, State(*before.state_after_impact()), SimulationSettings(steps=3))
+    run = simulate_walk(biped, sequence, before.state_after_impact(), SimulationSettings(steps=3))
     assert not run.fell
     assert np.max(np.abs(run.output_error)) < INVARIANT
     assert_close(run.post_impact_states()[-1], np.concatenate(after.state_after_impact()), INVARIANT)

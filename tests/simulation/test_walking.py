@@ -5,8 +5,9 @@ import pytest
 
 from frontal_biped.analysis.sensitivity import simulated_multiplier, speed_error_outcome
 from frontal_biped.control import ControllerSettings
+from frontal_biped.control.settings import sampled_frequency
 from frontal_biped.simulation import SimulationSettings
-from frontal_biped.simulation.walking import sampled_frequency, simulate
+from frontal_biped.simulation.walking import simulate
 from frontal_biped.zero_dynamics.orbit import resample
 from frontal_biped.zero_dynamics.poincare import HybridZeroDynamics
 from frontal_biped.zero_dynamics.restricted import restrict
@@ -119,7 +120,7 @@ class TestSampledControl:
         errors = [
             (
                 np.max(np.abs(run.output_error)),
-                abs(run.post_impact_states()[-1, 4] - speed),
+                abs(run.post_impact_speeds[-1] - speed),
                 abs(run.event_state[run.events("REVERSAL")][0, 0] - reversal),
             )
             for run in runs

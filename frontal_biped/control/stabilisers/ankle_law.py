@@ -22,7 +22,7 @@ from frontal_biped.virtual_constraints.contract import RisingConstraints, Virtua
 from frontal_biped.zero_dynamics.energy import phase_energy
 from frontal_biped.zero_dynamics.half_steps import (
     BLOCKED,
-    Landed,
+    ConstrainedState,
     falling_energy,
     landing_at_end,
     speed_at_end,
@@ -64,7 +64,7 @@ class AnkleLaw:
         """For reports."""
         return "ankle" if self.inner.name == "re-anchored" else f"ankle + {self.inner.name}"
 
-    def rising(self, landed: Landed) -> RisingConstraints:
+    def rising(self, landed: ConstrainedState) -> RisingConstraints:
         """The inner phase, shifted so that the robot reverses at its planned end.
 
         A robot too fast for the sole gets a stretched phase: the same poses, the last one reached where it reverses.

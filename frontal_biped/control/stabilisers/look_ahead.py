@@ -31,7 +31,7 @@ from frontal_biped.virtual_constraints.anchoring import anchored_falling, rescal
 from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
 from frontal_biped.virtual_constraints.piecewise import ContinuedPhase
 from frontal_biped.zero_dynamics.energy import PhaseEnergy, phase_energy
-from frontal_biped.zero_dynamics.half_steps import Landed, falling_energy, land_on_constraints, rising_energy
+from frontal_biped.zero_dynamics.half_steps import ConstrainedState, falling_energy, land_on_constraints, rising_energy
 
 STRETCHES = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0)
 """Stretches tried, relative to the range of the rising phase."""
@@ -101,7 +101,7 @@ class LookAheadTransitions:
         return ReanchoringTransitions(self.biped, self.gait, anticipate=False)
 
     # ------------------------------------------------------------------ what a stabiliser answers
-    def rising(self, landed: Landed) -> ContinuedPhase:
+    def rising(self, landed: ConstrainedState) -> ContinuedPhase:
         """The rising phase anchored to the state after the impact, stretched as far as the step to come asks for."""
         phase = self.plain.rising(landed)
         ratio = landed.dbeta / self.gait.orbit.beta_dot_after_impact
@@ -192,7 +192,7 @@ class LookAheadTransitions:
     def _falling_outlook(self, phase: VirtualConstraints, reversal: float, dbeta: float) -> Outlook:
         try:
             energy = falling_energy(self.biped, phase, reversal)
-            landed = land_on_constraints(self.biped, energy)[2]
+            landed = land_on_constraints(self.biped, energy)
             room = self._room(self.limits.falling(energy, reversal))
         except ReversalError:
             return NOWHERE

@@ -26,7 +26,7 @@ from frontal_biped.virtual_constraints.contract import RisingConstraints, Virtua
 from frontal_biped.virtual_constraints.invariance import double_support_pose
 from frontal_biped.zero_dynamics.energy import PhaseEnergy, phase_energy
 from frontal_biped.zero_dynamics.half_steps import (
-    Landed,
+    ConstrainedState,
     falling_energy,
     land_on_constraints,
     rising_energy,
@@ -91,7 +91,7 @@ class StepLaw:
     def _unstretched(self) -> ReanchoringTransitions:
         return ReanchoringTransitions(self.biped, self.gait, anticipate=False)
 
-    def rising(self, landed: Landed) -> RisingConstraints:
+    def rising(self, landed: ConstrainedState) -> RisingConstraints:
         """The anchored rising phase, shifted by the ankle law if there is one."""
         return (self.ankle or self._reanchored).rising(landed)
 
@@ -162,7 +162,7 @@ class StepLaw:
         return self._surplus_of(falling_energy(self.biped, falling, reversal))
 
     def _surplus_of(self, falling: PhaseEnergy) -> float:
-        landed = land_on_constraints(self.biped, falling)[2]
+        landed = land_on_constraints(self.biped, falling)
         phase = self._unstretched.rising(landed)
         return surplus_at_end(phase_energy(self.biped, phase, phase.beta_start, phase.beta_end), landed.dbeta)
 
@@ -204,7 +204,7 @@ class StepLaw:
 
         def following(reversal: float, chosen: float) -> float:
             falling = self.to_width(rising, reversal, chosen)
-            landed = land_on_constraints(self.biped, falling_energy(self.biped, falling, reversal))[2]
+            landed = land_on_constraints(self.biped, falling_energy(self.biped, falling, reversal))
             return rising_energy(self.biped, self._unstretched.rising(landed)).reversal(landed.dbeta)
 
         h = 1e-3 * self.gait.rising.range

@@ -27,7 +27,7 @@ from frontal_biped.virtual_constraints.contract import RisingConstraints, Virtua
 from frontal_biped.virtual_constraints.phase import Phase
 from frontal_biped.virtual_constraints.piecewise import ContinuedPhase
 from frontal_biped.zero_dynamics.energy import PhaseEnergy
-from frontal_biped.zero_dynamics.half_steps import Landed, rising_energy, stretch_to_reversal
+from frontal_biped.zero_dynamics.half_steps import ConstrainedState, rising_energy, stretch_to_reversal
 
 SLOWEST = 0.02
 """Share of the planned post-impact speed below which dq_b/dbeta is taken from the plan: it divides by the speed."""
@@ -59,7 +59,7 @@ class Stabiliser(Protocol):
     def name(self) -> str:
         """For reports."""
 
-    def rising(self, landed: Landed) -> RisingConstraints:
+    def rising(self, landed: ConstrainedState) -> RisingConstraints:
         """Virtual constraints from an impact on."""
 
     def falling(self, rising: RisingConstraints, reversal: float) -> VirtualConstraints:
@@ -78,7 +78,7 @@ class FixedTransitions:
 
     name = "fixed"
 
-    def rising(self, landed: Landed) -> Phase:
+    def rising(self, landed: ConstrainedState) -> Phase:
         """The planned rising phase."""
         return self.gait.rising
 
@@ -157,7 +157,7 @@ class ReanchoringTransitions:
         at = self.gait.rising.motion(np.array([self.gait.rising.beta_start]))
         return at.q[0], at.dq[0, 1:]
 
-    def rising(self, landed: Landed) -> ContinuedPhase:
+    def rising(self, landed: ConstrainedState) -> ContinuedPhase:
         """The rising phase anchored to the state after the impact."""
         planned = self.planned_rising
         q, slope = self._planned_start

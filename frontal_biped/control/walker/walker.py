@@ -16,8 +16,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.controller import QpController
 from frontal_biped.control.interface import PhaseEvent, Reading, WalkerCommand
-from frontal_biped.control.sampling import sampled_frequency
-from frontal_biped.control.settings import ControllerSettings
+from frontal_biped.control.settings import ControllerSettings, sampled_frequency
 from frontal_biped.control.stabilisers.by_name import make_stabiliser
 from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions, Stabiliser
 from frontal_biped.control.walker.energy_law import EnergyLaw, EnergySettings

@@ -125,7 +125,7 @@ def test_torques_are_continuous_where_limits_begin_to_give_way(biped, reference_
 def test_where_the_decoupling_matrix_is_singular(biped, reference_gait):
     """C03: no torques reach the targets, and the residuals do not tell what the robot does; ProxQP is left."""
     controller = QpController(biped, reference_gait)
-    q, dq = state = State(*reference_gait.state_after_impact())
+    q, dq = state = reference_gait.state_after_impact()
     targets = controller.targets(StepPhase.RISING, state)[0]
     momentum = StanceModel(biped).at(state).M[:, 3:] @ np.concatenate([[1.0], targets.h_d1])
     for nearly in (0.0, 1e-15, 1e-12):

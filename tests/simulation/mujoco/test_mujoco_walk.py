@@ -126,10 +126,10 @@ def test_walker_bridges_a_delay_that_it_knows_and_no_feedback_could_bear(biped, 
     crossing = np.sqrt(2.0 + np.sqrt(5.0))
     assert delay > np.arctan(2.0 * crossing) / (crossing * settings.frequency)
     late = SimulationSettings(steps=2, period=informed.period, disturbances=Disturbances(delay=delay))
-    run = walk_in_mujoco(biped, informed, *rough.state_after_impact(), late)
+    run = walk_in_mujoco(biped, informed, rough.state_after_impact(), late)
     assert (run.outcome, run.steps_completed) == ("completed", 2)
     assert step_times(run).mean() == pytest.approx(rough.orbit.step_duration, rel=0.02)  # bound of the cross-check
-    assert walk_in_mujoco(biped, ignorant, *rough.state_after_impact(), late).fell
+    assert walk_in_mujoco(biped, ignorant, rough.state_after_impact(), late).fell
 
 
 def test_physics_step_must_divide_the_period(biped, rough):
