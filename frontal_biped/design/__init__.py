@@ -1,4 +1,20 @@
-"""Gait design: problem, optimiser, explanation, continuation, transitions, studies."""
+"""Gait design: problem, optimiser, explanation, continuation, transitions, studies.
+
+A design minimises J over 31 variables (hybrid invariance is eliminated; degrees 5 and 3) with exact derivatives:
+forward mode through the closed form, Pinocchio's RNEA derivatives underneath. The optimiser is a trust-region SQP with
+elastic, exactly solved subproblems: Gauss-Newton on the sum of squares, then BFGS. What it finds is closed to rounding,
+checked on a grid forty times denser, and simulated for a step in the full model before it is called a gait. Equal input
+gives equal bytes, whatever the number of threads. The design is not convex: what is found is a local optimum.
+
+Where three starts lead to no gait, it says why not: it names the constraints that contradict each other at the nearest
+point, by how much each is missed, and a change of one entry that was tried and leaves a gait:
+
+    frontal-biped: no gait: frontal_biped: no gait was found; where the search ended these contradict each other: ...;
+    relax step_width[1] from 0.35 to 0.51 first: tried, a gait exists then
+
+Start where you like: ``frontal-biped design --start G.json``, ``--attempts 10``; `follow_branch` continues a gait to
+another specification and says where its branch ends; `pareto_front` and `degree_study` design series.
+"""
 
 from frontal_biped.design.continuation import Branch, follow_branch
 from frontal_biped.design.explanation import Conflict, Remedy

@@ -1,4 +1,18 @@
-"""The gait file (JSON): written whole or not at all, read field by field."""
+"""The gait file (JSON): written whole or not at all, read field by field. Format "frontal-biped-gait", version 1.
+
+    format, version          what the file is
+    robot                    name, description, fingerprint (SHA-256 of URDF and description)
+    rising, falling          each: beta_start, beta_end [rad]; joint_bezier, 3 rows (stance hip, swing hip, swing
+                             ankle) of M + 1 coefficients [rad]; fri_bezier, one row [m]
+    step_width               L_s, distance between the ankles [m]
+    orbit                    beta_dot_after_impact [rad/s], zeta_f_star [kg^2 m^4/s^2], step_duration [s],
+                             cost [N^2 m s], multiplier [-]
+    specification            what it was designed for, keys of a specification file
+    provenance               versions, seed, solver status, residuals
+
+Numbers are written so that reading gives back the same bits. An unknown or missing field, a wrong shape or a number
+that is not finite is refused with file, field, value and remedy.
+"""
 
 import json
 from dataclasses import asdict

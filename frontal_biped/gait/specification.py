@@ -1,4 +1,30 @@
-"""Gait specification: the constraints C01..C09 as data ([O] Sec. IV-A)."""
+"""Gait specification: the constraints C01..C09 as data ([O] Sec. IV-A), and the specification file (TOML).
+
+Every key is optional. This file says what an empty one says, but for the six keys of which leaving out means "free", or
+what stands in brackets:
+
+    degree = 5                 # joint Bezier degree; or one for each of stance hip, swing hip, swing ankle
+    fri_degree = 3             # FRI Bezier degree
+    friction = 0.6             # [C06, C07]
+    min_normal_force = 0.1     # of the weight [C06]
+    fri_margin = 0.005         # m inside the sole along the phases [C06]; not at the impact, C07 has none
+    swing_clearance = 0.01     # m at the reversal, less towards the ground [C05]
+    touchdown_speed = 0.05     # m/s, both sole ends [C04]
+    min_phase_range = 0.02     # rad, either phase [C02]
+    step_duration = [0.4, 0.8] # s [C09]
+    step_width = [0.15, 0.35]  # m
+    max_pelvis_roll = 0.1      # rad; leave out: free
+    max_foot_rotation = 0.3    # rad, of the swing foot; leave out: free
+    max_torque = [150.0, 150.0, 150.0, 150.0]  # N m; leave out: the robot's
+    max_multiplier = 0.75      # of the return map; leave out: 1 [C01]
+    min_energy_margin = 1.0    # energy to spare before tipping outwards, over the orbit's; leave out: free
+    max_reversal_shift = 0.003 # rad, by 1 % of post-impact speed; leave out: free
+    seed = 0                   # of everything random
+
+The robot's joint position and velocity limits are kept as well. `default_specification` takes the keys that suit a
+robot from the ``[gait]`` table of its description. The last three bounds ask for robustness; `design.studies` designs
+the series that show what each of them costs.
+"""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields

@@ -1,12 +1,12 @@
-"""What a gait library holds: a grid over robots and keys of the gait specification, read from a file.
+"""What a gait library holds: a grid over robots and keys of the gait specification, read from a sweep file (TOML).
 
-robot = "frontal_biped"              # a name or file; a list of them is an axis of the grid like any other
-batch = 20                           # gaits designed one after another by one worker, each from the one before
-[specification]                      # what all gaits share; keys of a gait specification
-friction = 0.5
-[sweep]                              # axes, the last one running fastest: a worker follows it
-step_width = [[0.25, 0.25], [0.30, 0.30]]
-max_pelvis_roll = {from = 0.08, to = 0.20, count = 7}
+    robot = "frontal_biped"              # a name or file; a list of them is an axis of the grid like any other
+    batch = 20                           # gaits designed one after another by one worker, each from the one before
+    [specification]                      # what all gaits share; keys of a gait specification
+    friction = 0.5
+    [sweep]                              # axes, the last one running fastest: a worker follows it
+    step_width = [[0.25, 0.25], [0.30, 0.30]]
+    max_pelvis_roll = {from = 0.08, to = 0.20, count = 7}
 """
 
 import itertools

@@ -1,39 +1,68 @@
-"""Read a scenario file. Short and readable; every key has a default but ``expect``'s bounds, which are then not asked.
+"""Read a scenario file (TOML): what walks, what disturbs it, what is expected.
 
-name = "push"                          # default: the file's name
-about = "a push at the reversal"       # one line for reports
-robot = "frontal_biped"                # a name, or a description or URDF file beside this one
-gait = "robust"                        # a packaged specification, a gait or specification file, or [gait] with keys
-simulator = "mujoco"                   # or "ours"
-controller = "walker"                  # or "qp", or "module:factory", or [controller] with keys
-steps = 30
-seed = 0
-repeat = 1
+Every key has a default; what ``[expect]`` does not name is not asked.
 
-[controller]
-type = "walker"
-stabiliser = "adaptive"
-period = 0.001                         # s
-frequency = 100.0                      # and every other key of ControllerSettings
-arguments = {gain = 2.0}               # of the user's own factory
+    name = "push"                          # default: the file's name
+    about = "pushed at the chest on slippery ground, by a robot that is not quite its model"  # one line for reports
+    robot = "frontal_biped"                # a name, or a description or URDF file beside this one
+    gait = "robust"                        # a packaged specification, a gait or specification file, or [gait], its keys
+    simulator = "ours"                     # or "mujoco"
+    steps = 12
+    seed = 0
+    repeat = 2                             # trials; each draws its own numbers
+    stance = "left"                        # first stance foot
+    speed_error = 0.0                      # of the first post-impact speed, relative
+    slow = false                           # pytest marks it slow
+    flat_landing = 0.02                    # rad, up to which a landing foot settles flat; ours only
 
-[model]                                # how the true robot differs from the one the controller knows
-mass = {within = 0.2}                  # every link drawn on its own; or 1.1; or {pelvis = 1.1, within = 0.05}
-com = {pelvis = [0.01, 0.02]}          # (y, z), m
-inertia = 1.2
-length = {left_leg = 1.01}
+    [controller]                           # or controller = "walker", "qp", "my_module:make"
+    type = "qp"                            # default: "qp", which is told state and events; in MuJoCo "walker"
+    stabiliser = "ankle+step"
+    period = 0.001                         # s
+    frequency = 100.0                      # and every other key of ControllerSettings
 
-[disturbances]                         # keys of Disturbances; numbers may be ranges
-encoder_noise = 1e-4                   # rad
-friction = {from = 0.3, to = 0.9}
+    [model]                                # how the true robot differs from the one that the controller knows
+    mass = {within = 0.1}                  # every link on its own; or 1.1; or {pelvis = 1.1, left_leg = 0.9}
+    com = {pelvis = [0.005, 0.01]}         # (y, z), m
+    inertia = 1.02
+    length = {left_leg = 1.0}
 
-[[push]]
-at = "reversal of step 5"              # or "impact of step 5", "30 % of the rising phase of step 5"; or time = 1.2
-impulse = 6.0                          # N s, to the robot's left
-duration = 0.05                        # s
+    [disturbances]                         # numbers, or what each trial draws: {from = , to = }, {within = }
+    friction = {from = 0.3, to = 0.9}      # coefficient; left out: the foot sticks whatever is asked of it
+    torque_noise = 0.01                    # relative
+    encoder_noise = 0.0                    # rad
+    quantisation = 0.0                     # rad, of the encoders
+    imu_noise = 0.0                        # rad
+    gyro_noise = 0.0                       # rad/s
+    delay = 0.0                            # s, from reading to torque
+    torque_limits = [150.0, 150.0]         # N m, ankle and hip, of the true motors
+    ground = [0.0]                         # m, heights under the next landings
+    ground_height = 0.0                    # m, heights that are drawn
 
-[expect]                               # see Expectations; without a fall in any case
-output_error = 0.05                    # rad
+    [[push]]
+    at = "30 % of the rising phase of step 3"  # or "impact of step 3", "reversal of step 3"; or time = 1.2
+    impulse = {within = 3.0}               # N s, to the robot's left
+    duration = 0.1                         # s
+    profile = "half-sine"                  # or "constant"
+    height = 0.2                           # m above the hips
+
+    [expect]                               # no fall, in any case; and what is asked here
+    steps = 12                             # walked; left out: all that are asked for
+    return_within = 8                      # steps after the push until the speed stays within return_tolerance
+    return_tolerance = 0.1                 # of the orbit's
+    torque = 1.0                           # of the limits
+    output_error = 0.02                    # rad
+    friction = 0.9                         # |F_h| / F_v
+    fri_margin = 0.0                       # m inside the sole
+    step_duration = [0.3, 1.2]             # s
+    step_time_error = 0.2                  # of the mean step, relative
+    speed_error = 0.1                      # of the last step, relative
+    unsolved = 20                          # ticks whose program was not solved, at most
+    survival = 0.9                         # share of the trials that pass
+
+``foot_slip`` [m] and ``foot_rotation`` [rad] can be expected in MuJoCo, where feet can move. ``delay`` [s] in
+``[controller]`` is what a walker takes for the delay; left out, the true one. ``[controller.arguments]`` go to a
+factory of your own.
 """
 
 import re

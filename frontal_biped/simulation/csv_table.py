@@ -1,4 +1,10 @@
-"""A run as a table of numbers, for controllers that are not ours."""
+"""A run as a table of numbers, for controllers that are not ours.
+
+``frontal-biped export RUN.npz -o run.csv`` writes one line per sample (``--rate 200``: evenly spaced) with units in the
+header: time, step, stance foot, phase; then, under the URDF's joint names, position, desired position, velocity and
+torque of each of the four joints; ground reaction and FRI. ``--coordinates stance`` gives the paper's coordinates,
+``both`` gives both. Of a gait file it is the periodic orbit in closed form.
+"""
 
 import csv
 import io

@@ -1,4 +1,11 @@
-"""A recorded run: what the robot did, sampled in time, and the events of every step."""
+"""A recorded run: what the robot did, sampled in time, and the events of every step. And the run file.
+
+A run file is a NumPy archive (NPZ) without pickles. Its entries are the arrays of `Trajectory` under their own names
+(t, q, dq, u, force, p_fri, p_fri_target, q_b_desired, phase, stance, stance_y, step, event_t, event_step, event_state)
+and ``header``, a JSON text with format ("frontal-biped-run"), version (1), event_kind, robot, outcome,
+steps_completed, gait (the whole gait file) and settings. `numpy.load` reads it without this package; a run from another
+simulator can be written with `save_trajectory` and watched.
+"""
 
 import json
 import zipfile

@@ -1,10 +1,24 @@
-"""What the README says of MuJoCo: steps, step times, everything wrong at once, largest pushes in both engines.
+"""What is said of MuJoCo: steps, step times, everything wrong at once, largest pushes in both engines.
 
 Run from the repository: ``OMP_NUM_THREADS=1 python tests/benchmarks/benchmark_mujoco.py [steps|trials|pushes] ...``.
 
 * ``steps N ROBOT ...``: N steps of each robot's stored gait, of frontal_biped's gait `rough`, in both engines;
 * ``trials N STEPS``: N seeded trials of the gait `rough` in two processes, everything wrong at once;
 * ``pushes``: the largest push survived at four instants, in both directions and both engines.
+
+What it printed:
+
+* talos_full, romeo, g1 on their stored gaits, 200 steps: no fall; step times 0.732, 0.301, 0.304 s, closed form
+  0.728, 0.300, 0.300 s. All seven humanoids on their stored gaits, 20 steps: no fall, step times within 2 % of it.
+* Table I robot, `rough`; every link's mass and inertia within 20 %, CoM within 2 cm, friction 0.3 to 0.9, torque noise
+  2 %, encoder and roll noise 1e-4 rad, 3 ms delay, ground within 3 mm: 100 of 100 seeded trials walked 100 steps (95 %
+  interval from 96 %), and 60 of 60 with seeds that nothing was chosen on.
+* Largest push of 50 ms after which `rough` still walks 6 steps, of those tried up to 60 N s, MuJoCo and ours, N s:
+
+      just after the impact    outwards 11, 15    inwards 49, 33
+      half-way up              outwards 14, 20    inwards 46, 49
+      at the reversal          outwards 24, 32    inwards 30, 35
+      half-way down            outwards 39, 49    inwards 19, 24
 """
 
 import sys

@@ -1,4 +1,39 @@
-"""Robot description: the TOML file beside a URDF that says which joints roll and how large the soles are."""
+"""Robot description: the TOML file beside a URDF that says which joints roll and how large the soles are.
+
+    name = "my_biped"
+    urdf = "my_biped.urdf"  # or "example-robot-data:talos_data/robots/talos_full_v2.urdf"
+
+    [joints]                # the four roll joints, by URDF name
+    left_ankle = "left_ankle"
+    left_hip = "left_hip"
+    right_hip = "right_hip"
+    right_ankle = "right_ankle"
+
+    [sole]                  # of one foot, m; the other is its mirror image
+    inner = 0.05            # from the ankle towards the other foot
+    outer = 0.05
+    ankle_height = 0.0      # of the ankle joint above the sole
+
+That is all that must be there; ankle_height is 0 where it is left out. It may say more:
+
+    symmetrise = true       # average legs that differ by at most 10 %, and take of their joint limits what both can do;
+                            # `frontal-biped robots --json` lists what was averaged. Left out: refused (HR3)
+    [base]
+    rpy = [0.0, 0.0, 0.0]   # turns the root link so that X is forward, Y left, Z up, rad; left out: 0
+    [posture]               # where every other joint is locked, rad, by URDF name; left out: 0
+    left_knee = 0.3
+    [limits]                # left out: the URDF's efforts, N m
+    ankle_torque = 150.0
+    hip_torque = 150.0
+    [armature]              # reflected rotor inertia, kg m^2, which a URDF cannot tell; left out: 0
+    ankle = 0.0
+    hip = 0.0
+    [gait]                  # keys of a gait specification, used where none is given; left out: the reference one
+    friction = 0.6
+
+``front`` and ``back`` of ``[sole]`` are its ends ahead of and behind the ankle, m; left out, they are measured on the
+foot's shapes.
+"""
 
 import hashlib
 import json
