@@ -1,4 +1,56 @@
-"""Robots, independently computed numbers and designed gaits that the tests share."""
+"""What is verified and how; and the robots, independently computed numbers and designed gaits that the tests share.
+
+Each claim, how it is held, what was measured, and the tests that hold it:
+
+* Dynamics, ground reaction, momentum, impact, kappa_1..3: against numbers of a separately written symbolic model, three
+  robots; relative 1e-9. model/test_independent_values.py, zero_dynamics/test_restricted.py
+* Planar models of nine robots, either foot: inverse dynamics against the 3D model moved in the plane, pinned against
+  projected floating model, impact against its KKT system; relative 1e-10 (icub 1e-5: its URDF is rounded).
+  model/test_every_robot.py, robot_laws.py, model/test_stance_map.py
+* Cost of the reference and level-pelvis gaits: from the default start, checked on a grid 40 times denser than the
+  optimiser's; 210.2 and 405.6 N^2 m s. design/test_design.py
+* Hybrid invariance and energy balance of a gait file: residuals below 1e-9. design/test_design.py, gait/test_gait.py
+* zeta(beta): quadrature against an ODE solver at rtol 1e-12; error with 8, 16, 24, 32 nodes 1e-3, 2e-7, 3e-11, 3e-15.
+  zero_dynamics/test_restricted.py
+* Full model, continuous control, 20 steps: worst post-impact state off by less than 1e-7. simulation/test_walking.py
+* Multiplier: closed form against the simulated return map, relative 1e-4. zero_dynamics/test_poincare.py,
+  simulation/test_walking.py
+* Contraction of the successive approximation: predicted against measured, relative 1e-3.
+  zero_dynamics/reversal/test_solver.py
+* Zeros of Z and S on the regular region of the bracket (`zero_dynamics.reversal.certificate` says which it is): against
+  a dense grid. Newton's method from REVERSAL_SETS=200 random parameter sets: 4 steps (median), 7 at most; on every
+  tenth set, and wherever it finds nothing, all zeros are counted. The paper's iteration, on every fifth: 38 steps
+  (median), fails on 4 %. zero_dynamics/reversal/test_solver.py
+* Invariance under re-anchoring: full model, reversal errors of 1e-7 to 1e-2 rad, early and late; below 1e-8 rad. At
+  2e-2 rad a late one on the gait with the pelvis within 5 degrees overloads the robot and loses 2e-3 rad, which is why
+  `adaptive` looks ahead. analysis/test_sensitivity.py
+* Restricted map with a variable reversal: against two steps of the full model under continuous control, six stabiliser
+  and gait pairs; and one step from each of twelve speeds, end to end of the intervals that return, `adaptive` and
+  `ankle`; relative 1e-5. analysis/test_return_map.py
+* Looking ahead: full model under the quadratic program, continuous control, from -5 and +25 % (reference), -20 and
+  +50 % (pelvis within 5 degrees); every limit kept, invariance below 1e-6 rad, each step nearer, each as the map says.
+  control/stabilisers/test_look_ahead.py
+* A-frame rocker, rocking block, inverted pendulum: published closed forms, as limits; 1e-9, or the order of the limit.
+  zero_dynamics/test_closed_forms.py
+* Full model, torques held for 1 ms: worst output error over 20 steps 1.2e-3 rad, of order 1 in the period at equal
+  gains. simulation/test_walking.py
+* Seven humanoids, torques held for 1 ms, reversal-adaptive, error dynamics of 200 rad/s: 20 steps, no fall.
+  model/test_regression_gaits.py
+* The quadratic program: 1000 adversarial states; KKT conditions checked by other code, infeasibility by a linear
+  program. control/torques/test_torque_program.py
+* The studio: newest request wins, a refused specification keeps the last gait, no process or port stays; in Chromium
+  slider, push, save, no request, no console error. studio/test_workbench.py, studio/test_worker.py, studio/test_app.py
+* The page, four robots, in headless Chromium with mouse and keyboard: no request, no console message; play, pause,
+  slider, marks, every toggle, cursors, dragging in plots, speed, keys; feet on the ground.
+  viewer/test_page_in_browser.py
+* The live viewer: ended by Ctrl+C, SIGTERM, SIGKILL, with browsers open, vanished and stalled; no process left, port
+  free. viewer/test_live.py
+* Figures: width, size and overlap of all letters; 3.5 in, 8 pt, none. figures/test_figures.py
+* Every malformed input: one line, exit status, nothing written. cli/test_main.py, model/urdf/test_unsuitable_robots.py,
+  scenarios/test_malformed.py
+* What examples and notebooks print: each against its docstring or its stored output, words alike, numbers within 2 %.
+  test_examples.py. From an installed wheel in another folder, with every command that the README names: smoke.py
+"""
 
 import json
 from collections.abc import Mapping

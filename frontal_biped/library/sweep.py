@@ -7,6 +7,8 @@
     [sweep]                              # axes, the last one running fastest: a worker follows it
     step_width = [[0.25, 0.25], [0.30, 0.30]]
     max_pelvis_roll = {from = 0.08, to = 0.20, count = 7}
+
+A range is spaced evenly, both ends included. A key of the specification stands in one of the two sections, not in both.
 """
 
 import itertools
