@@ -1,4 +1,4 @@
-"""Every numbered example runs, and prints what its docstring says it prints."""
+"""Every numbered example prints what its docstring says, every notebook what is stored in it."""
 
 import ast
 import csv
@@ -109,25 +109,59 @@ def test_paper_is_reproduced(tmp_path):
         assert (tmp_path / "paper" / f"{name}.png").stat().st_size > 5000
 
 
-def test_notebook_covers_every_lesson_and_keeps_no_output():
+def test_lesson_covers_every_example_and_keeps_no_output():
     cells = json.loads((EXAMPLES / "lesson.ipynb").read_text(encoding="utf-8"))["cells"]
     run = [name for cell in cells for name in re.findall(r'^lesson\("(.*)"\)$', "".join(cell["source"]), re.MULTILINE)]
     assert run == [path.stem for path in CHECKED]
     assert not any(cell.get("outputs") for cell in cells)
 
 
-@pytest.mark.slow
-def test_notebook_runs_and_prints_what_the_examples_say(tmp_path):
-    notebook = nbformat.read(EXAMPLES / "lesson.ipynb", as_version=4)
+def executed(name, tmp_path):
+    """A notebook, run in a copy of the examples' folder."""
+    notebook = nbformat.read(EXAMPLES / name, as_version=4)
     shutil.copytree(EXAMPLES, tmp_path / "examples", ignore=shutil.ignore_patterns("images"))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of the kernel's own making
         NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(tmp_path / "examples")}}).execute()
+    return notebook
+
+
+def printed_by(cell):
+    """What a cell printed."""
+    return "".join(part.text for part in cell.outputs if part.output_type == "stream").rstrip()
+
+
+@pytest.mark.slow
+def test_lesson_prints_what_the_examples_say(tmp_path):
+    notebook = executed("lesson.ipynb", tmp_path)
     printed = {}
     for cell in notebook.cells:
         called = re.match(r'lesson\("(.*)"\)', cell.source)
         if called:
-            printed[called[1]] = "".join(part.text for part in cell.outputs if part.output_type == "stream")
+            printed[called[1]] = printed_by(cell)
     for path in CHECKED:
-        assert_same(printed[path.stem].rstrip(), expected_output(path))
+        assert_same(printed[path.stem], expected_output(path))
     assert "image/svg+xml" in notebook.cells[-1].outputs[0].data
+
+
+def code_cells(notebook):
+    return [cell for cell in notebook.cells if cell.cell_type == "code"]
+
+
+def test_outputs_of_the_reversal_are_stored():
+    path = EXAMPLES / "reversal.ipynb"
+    assert path.stat().st_size < 150_000
+    cells = code_cells(nbformat.read(path, as_version=4))
+    assert len(cells) >= 5 and all(cell.outputs for cell in cells)
+    stored = json.dumps([cell.outputs for cell in cells])
+    assert [word for word in ("/home", "/root", "/tmp", "Traceback", "Warning") if word in stored] == []
+
+
+@pytest.mark.slow
+def test_reversal_prints_what_is_stored(tmp_path):
+    stored = code_cells(nbformat.read(EXAMPLES / "reversal.ipynb", as_version=4))
+    for cell, wanted in zip(code_cells(executed("reversal.ipynb", tmp_path)), stored, strict=True):
+        assert_same(printed_by(cell), printed_by(wanted))
+        assert [part.output_type for part in cell.outputs if part.output_type != "stream"] == [
+            part.output_type for part in wanted.outputs if part.output_type != "stream"
+        ]
