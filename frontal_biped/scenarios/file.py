@@ -62,7 +62,8 @@ Every key has a default; what ``[expect]`` does not name is not asked.
 
 ``foot_slip`` [m] and ``foot_rotation`` [rad] can be expected in MuJoCo, where feet can move. ``delay`` [s] in
 ``[controller]`` is what a walker takes for the delay; left out, the true one. ``[controller.arguments]`` go to a
-factory of your own.
+factory of your own. With a delay, ``output_error`` compares the joints with what is wanted of them when the torques
+act, and is larger than the tracking error by about the delay times the joints' speed.
 """
 
 import re
