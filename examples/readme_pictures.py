@@ -2,8 +2,7 @@
 
     python examples/readme_pictures.py --out pictures [NAME ...]
 
-Names: snapshots, studies (pareto and degrees), humanoids, report, studio; default: all. `humanoids`, `report` and
-`studio` are screenshots by Chromium and need the extras `browser` and `viser`; `report` runs the demonstration first.
+Names: walking, page, studio; default: all. They are taken by Chromium and need the extras `browser` and `viser`.
 """
 
 import argparse
@@ -17,14 +16,13 @@ from typing import Any
 
 import frontal_biped as fb
 from frontal_biped.cli import main as frontal_biped_command
-from frontal_biped.design import degree_study, pareto_front
-from frontal_biped.figures.design import degree_figure, pareto_figure
-from frontal_biped.figures.state import snapshots as snapshots_figure
-from frontal_biped.figures.write import write_figure
-from frontal_biped.files.atomic import atomic_path, write_text
+from frontal_biped.files.atomic import atomic_path
+from frontal_biped.gait import load_specification
 from frontal_biped.model import models_dir
-from frontal_biped.simulation import orbit_trajectory
+from frontal_biped.simulation.disturbances import Disturbances
+from frontal_biped.simulation.pushes import Push
 from frontal_biped.viewer import animation_page
+from frontal_biped.viewer.headless import write_png
 
 SOFTWARE_GL = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 PATIENCE = 300_000.0  # [ms]; software rendering on a busy machine is slow
@@ -37,49 +35,28 @@ def browser_page(width: int, height: int) -> Iterator[Any]:
 
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=SOFTWARE_GL)
-        page = browser.new_page(viewport={"width": width, "height": height})
-        page.set_default_timeout(PATIENCE)
-        yield page
+        shown = browser.new_page(viewport={"width": width, "height": height})
+        shown.set_default_timeout(PATIENCE)
+        yield shown
         browser.close()
 
 
-def snapshots(out: Path) -> None:
-    """Stick figures of two steps."""
+def walking(out: Path) -> None:
+    """Two steps of TALOS, as `frontal-biped export` makes them."""
+    gait = models_dir() / "talos_full.gait.json"
+    target = ["-o", str(out / "walking.gif"), "--steps", "2", "--size", "640x480", "--fps", "15"]
+    assert frontal_biped_command(["export", str(gait), *target]) == 0
+
+
+def page(out: Path) -> None:
+    """A run with a push, on the exported page, where the push ends."""
     robot = fb.load_robot("frontal_biped")
-    gait = fb.design_gait(robot).gait
+    gait = fb.design_gait(robot, load_specification("robust")).gait
     assert gait is not None
-    write_figure(out, "snapshots", snapshots_figure(robot, orbit_trajectory(robot, gait)))
-
-
-def studies(out: Path) -> None:
-    """Cost over energy margin, and over degree: the figures of 11_design_studies.py."""
-    robot, specification = fb.load_robot("frontal_biped"), fb.GaitSpecification()
-    front = pareto_front(robot, specification, "min_energy_margin", [0.25 * (i + 1) for i in range(9)])
-    label = "energy margin, over the orbit's energy [-]"
-    write_figure(out, "pareto", pareto_figure(front, "energy_margin", label, "What an energy margin costs"))
-    series = degree_study(robot, specification, range(4, 9), range(1, 4))
-    write_figure(out, "degrees", degree_figure(series))
-
-
-def humanoids(out: Path) -> None:
-    """Two humanoids in the exported page, side by side."""
-    pairs = [(robot, orbit_trajectory(robot, fb.load_gait(models_dir() / f"{robot.name}.gait.json")))
-             for robot in (fb.load_robot("talos_full"), fb.load_robot("g1"))]  # fmt: skip
-    with tempfile.TemporaryDirectory() as folder, browser_page(1200, 800) as page:
-        path = Path(folder) / "page.html"
-        write_text(path, animation_page(*pairs[0], title="talos_full and g1", beside=pairs[1]))
-        page.goto(path.as_uri())
-        time.sleep(10.0)
-        shoot(page, out / "humanoids.png")
-
-
-def report(out: Path) -> None:
-    """The top of the demonstration's report."""
-    with tempfile.TemporaryDirectory() as folder, browser_page(1280, 1500) as page:
-        assert frontal_biped_command(["demo", "--out", folder]) == 0
-        page.goto((Path(folder) / "report.html").as_uri())
-        time.sleep(15.0)
-        shoot(page, out / "report.png")
+    reversal = gait.orbit.step_duration + gait.step(robot).rising.duration  # of the second step
+    push = Push(start=reversal, duration=0.05, impulse=12.0)
+    run = fb.simulate(robot, gait, steps=5, period=1e-3, stabiliser="ankle", disturbances=Disturbances(pushes=(push,)))
+    write_png(animation_page(robot, run, title="frontal_biped"), out / "page.png", reversal + 0.06)
 
 
 def studio(out: Path) -> None:
@@ -94,13 +71,13 @@ def studio(out: Path) -> None:
         wait(lambda: workbench.state.fits)
         workbench.push(12.0, "just after the impact")
         wait(lambda: workbench.state.push != "" and workbench.state.certificate is not None)
-        with browser_page(1000, 760) as page:
-            page.goto(studio.url)
-            page.wait_for_function("document.body.innerText.includes('certified in closed form')", polling=1000)
+        with browser_page(1000, 760) as shown:
+            shown.goto(studio.url)
+            shown.wait_for_function("document.body.innerText.includes('certified in closed form')", polling=1000)
             # viser's notice that there is no graphics card covers the robot's head
-            page.evaluate("document.querySelectorAll('[class*=Notification] button').forEach(b => b.click())")
+            shown.evaluate("document.querySelectorAll('[class*=Notification] button').forEach(b => b.click())")
             time.sleep(15.0)
-            shoot(page, out / "studio.png")
+            shoot(shown, out / "studio.png")
 
 
 def wait(done: Callable[[], bool]) -> None:
@@ -109,15 +86,13 @@ def wait(done: Callable[[], bool]) -> None:
         time.sleep(0.1)
 
 
-def shoot(page: Any, path: Path) -> None:
+def shoot(shown: Any, path: Path) -> None:
     """A screenshot; the file appears whole or not at all."""
     with atomic_path(path) as temporary:
-        temporary.write_bytes(page.screenshot(timeout=PATIENCE))
+        temporary.write_bytes(shown.screenshot(timeout=PATIENCE))
 
 
-PICTURES: dict[str, Callable[[Path], None]] = {
-    picture.__name__: picture for picture in (snapshots, studies, humanoids, report, studio)
-}
+PICTURES: dict[str, Callable[[Path], None]] = {picture.__name__: picture for picture in (walking, page, studio)}
 
 
 if __name__ == "__main__":
