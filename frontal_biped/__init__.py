@@ -7,6 +7,13 @@
     print(fb.analyze(robot, result.gait))
     run = fb.simulate(robot, result.gait, steps=20)
 
+Rooms, each may use those before it: `frontal_biped.files` and `frontal_biped.numerics`, without mechanics;
+`frontal_biped.model`, the robot; `frontal_biped.virtual_constraints`; `frontal_biped.zero_dynamics`;
+`frontal_biped.gait`, with specification and file; `frontal_biped.control`; `frontal_biped.simulation`; then, beside
+each other, `frontal_biped.design`, `frontal_biped.analysis` and `frontal_biped.viewer`; and what is built on these,
+`frontal_biped.library`, `frontal_biped.scenarios`, `frontal_biped.figures`, `frontal_biped.studio`,
+`frontal_biped.demo` and `frontal_biped.cli`.
+
 Names are imported when first used, so that `frontal-biped --help` does not wait for Pinocchio.
 """
 

@@ -25,7 +25,8 @@ with the map for one step from each of twelve speeds, end to end of the interval
 three gaits: the next speed is the map's to 1e-5. Walked in full from both ends and half-way to them, ``adaptive`` on
 ``robust`` is back within 1 % after 17 to 33 steps.
 
-Torques held for 1 ms give less where the speed is low. ``ankle`` on ``robust`` falls after 1 to 3 steps from -91 % and
+Torques held for 1 ms give less where the speed is low (``frontal-biped simulate robust.json --stabiliser ankle
+--speed-error -0.91`` and the like). ``ankle`` on ``robust`` falls after 1 to 3 steps from -91 % and
 below (-91 to -95 % tried), walks on from -90 % without being back within 8 steps, is back after 6 steps from -70 %,
 after 4 from -60 %, and returns from +60 .. +113 % (steps of 10 and 20 %). ``adaptive`` on ``robust`` falls from every
 slower speed tried (-2.5 % after 31 steps, -25 % after 4) and returns from +10 .. +87 %: re-anchoring spends no ankle
