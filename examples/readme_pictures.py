@@ -69,7 +69,7 @@ def studio(out: Path) -> None:
         wait(lambda: workbench.state.fits and workbench.state.drawing is not None)
         workbench.turn("max_pelvis_roll", 8.0)
         wait(lambda: workbench.state.fits)
-        workbench.push(12.0, "just after the impact")
+        workbench.push(10.0, "at the reversal")  # what the panel shows
         wait(lambda: workbench.state.push != "" and workbench.state.certificate is not None)
         with browser_page(1000, 760) as shown:
             shown.goto(studio.url)

@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--robustness",
         action="store_true",
-        help="add the robustness card: speeds that return and pushes survived; about two minutes of processor time",
+        help="add the robustness card: speeds that return and pushes survived; a minute and a half of processor time",
     )
     parser.add_argument(
         "--jobs",

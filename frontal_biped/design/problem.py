@@ -13,7 +13,7 @@ from typing import ClassVar, cast
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.derivatives import DifferentiableBiped, Projection
+from frontal_biped.design.derivatives import DifferentiableBiped
 from frontal_biped.design.ends import Periodic, StepEnds
 from frontal_biped.design.forward_mode import Dual, elementwise, independent
 from frontal_biped.design.rows import MarginLayout, MarginRow, lay_out
@@ -28,14 +28,13 @@ from frontal_biped.model.impact import Landing
 from frontal_biped.numerics.quadrature import reversal_quadrature
 from frontal_biped.virtual_constraints.invariance import (
     FreeParameters,
-    PhaseParameters,
     StepBegin,
     complete,
     falling_parameters,
     final_falling_slope,
     rising_parameters,
 )
-from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase, constrained_motion, phase_basis
+from frontal_biped.virtual_constraints.phase import Phase, phase_basis
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit, integrate_from_reversal
 from frontal_biped.zero_dynamics.poincare import StepOrbit
 from frontal_biped.zero_dynamics.restricted import TORQUES, RestrictedDynamics
@@ -263,24 +262,18 @@ class DesignProblem:
             begin = departure.begin
         rising = rising_parameters(free, *begin)
         falling = falling_parameters(free, cast("FloatArray", q_minus), rising)
-        motions = [self._motion(+1, rising), self._motion(-1, falling)]
-        up, down = self._differentiable.project(motions)
-        rise = self._orbit(+1, free.beta_reversal - rising.beta_start, motions[0], up)
-        fall = self._orbit(-1, free.beta_reversal - falling.beta_end, motions[1], down)
+        turn, tau_squared = free.beta_reversal, self.rule.tau**2
+        Delta_r, Delta_f = turn - rising.beta_start, turn - falling.beta_end
+        up = rising.motion(self._rising_basis, turn - Delta_r * tau_squared)
+        down = falling.motion(self._falling_basis, turn - Delta_f * tau_squared)
+        (projected_r, soles_r), (projected_f, soles_f) = self._differentiable.project([up, down])
+        on_rising = RestrictedDynamics(projected_r, up.p_fri, up.dp_fri)
+        on_falling = RestrictedDynamics(projected_f, down.p_fri, down.dp_fri)
+        rise = integrate_from_reversal(self.rule, +1, Delta_r, up, on_rising)
+        fall = integrate_from_reversal(self.rule, -1, Delta_f, down, on_falling)
         surplus = [_surplus(phase.joint_bezier, self.specification.degrees) for phase in (rising, falling)]
         step = StepOrbit(rise, fall, landing, free.step_width)
-        return step, SoleHeights(up.soles, down.soles), [part for parts in surplus for part in parts]
-
-    def _motion(self, direction: int, phase: PhaseParameters) -> ConstrainedMotion:
-        rising = direction > 0
-        reversal, end = (phase.beta_end, phase.beta_start) if rising else (phase.beta_start, phase.beta_end)
-        beta = reversal - (reversal - end) * self.rule.tau**2
-        basis = self._rising_basis if rising else self._falling_basis
-        return constrained_motion(basis, beta, phase.beta_end - phase.beta_start, phase.joint_bezier, phase.fri_bezier)
-
-    def _orbit(self, direction: int, Delta: float, motion: ConstrainedMotion, projection: Projection) -> PhaseOrbit:
-        restricted = RestrictedDynamics(projection.dynamics, motion.p_fri, motion.dp_fri)
-        return integrate_from_reversal(self.rule, direction, Delta, motion, restricted)
+        return step, SoleHeights(soles_r, soles_f), [part for parts in surplus for part in parts]
 
 
 def _surplus(joint_bezier: FloatArray, degrees: tuple[int, int, int]) -> list[FloatArray]:

@@ -226,6 +226,11 @@ class FrontalBiped:
         pin.framesForwardKinematics(self.pinned, self._data, q)
         return np.array([self._data.oMf[frame].translation[:2] for frame in self._sole_frames])
 
+    def swing_clearance(self, q: FloatArray) -> float:
+        """Height of the lowest point of the swing sole above the ground under the stance foot [m]."""
+        pin.framesForwardKinematics(self.pinned, self._data, q)
+        return min(self._data.oMf[frame].translation.item(1) for frame in self._sole_frames)
+
     def swing_sole_jacobian(self, q: FloatArray) -> FloatArray:
         """(2, 2, 4) derivative of `swing_sole` with respect to q: [end, (h, v), joint] [m/rad]."""
         pin.computeJointJacobians(self.pinned, self._data, q)

@@ -65,21 +65,28 @@ def walking_guards(biped: FrontalBiped, leaving: float = 0.0, landing: float = 0
     """
     upright_height = float(biped.com(np.full(4, UPRIGHT))[1])
     outer, _ = biped.sole
+    asked: list[FloatArray] = [np.empty(0), np.empty(0)]  # the last q and the centre of mass there
+
+    def com(q: FloatArray) -> FloatArray:
+        """Two guards ask for it at the same q."""
+        if asked[0] is not q:
+            asked[:] = q, biped.com(q)
+        return asked[1]
 
     def speed(_: FloatArray, dq: FloatArray) -> float:
         return float(dq[0])
 
     def clearance(q: FloatArray, _: FloatArray) -> float:
-        return float(biped.swing_sole(q)[:, 1].min()) - landing
+        return biped.swing_clearance(q) - landing
 
     def grazing_clearance(q: FloatArray, _: FloatArray) -> float:
-        return float(biped.swing_sole(q)[:, 1].min()) - leaving + GRAZE
+        return biped.swing_clearance(q) - leaving + GRAZE
 
     def inside_outer_edge(q: FloatArray, _: FloatArray) -> float:
-        return float(biped.com(q)[0]) - outer
+        return float(com(q)[0]) - outer
 
     def height(q: FloatArray, _: FloatArray) -> float:
-        return float(biped.com(q)[1]) - 0.6 * upright_height
+        return float(com(q)[1]) - 0.6 * upright_height
 
     fallen = (
         Guard(EventKind.TIPPED_OUTWARDS, inside_outer_edge, -1),

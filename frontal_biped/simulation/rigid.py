@@ -160,7 +160,7 @@ class RigidEngine:
             self.phase = StepPhase.FALLING
             self._guard()
             lands_on = self._next_ground[self.stance.other] - self._ground[self.stance]
-            below = float(self.plant.on(self.stance).swing_sole(self.state.q)[:, 1].min()) < lands_on
+            below = self.plant.on(self.stance).swing_clearance(self.state.q) < lands_on
             return EventKind.EARLY_LANDING if below else None
         if kind is EventKind.TURNED_OUTWARDS and self._turns < MOST_TURNS:
             self.phase, self._turns = StepPhase.RISING, self._turns + 1

@@ -14,6 +14,7 @@ from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.simulation.world import phase_spans
 from frontal_biped.viewer.markers import swing_traces
 from frontal_biped.viewer.scene import GHOST, SECOND, Actor, frontal_camera
+from frontal_biped.virtual_constraints.phase import StepPhase
 
 MOST_SAMPLES = 4000
 """Of one run in the plots; a longer one is thinned evenly within its phases."""
@@ -121,8 +122,19 @@ def _pushes(run: Trajectory) -> list[dict[str, float]]:
             start, duration, impulse = (float(push[key]) for key in ("start", "duration", "impulse"))
         except (KeyError, TypeError, ValueError):
             continue
-        found.append({"start": start - float(run.t[0]), "duration": duration, "impulse": impulse})
+        origin = _origin(run, push.get("step"), push.get("phase"))
+        if origin is not None:
+            found.append({"start": origin + start - float(run.t[0]), "duration": duration, "impulse": impulse})
     return found
+
+
+def _origin(run: Trajectory, step: int | None, phase: str | None) -> float | None:
+    """What the start of a push counts from [s]: the run, or a phase of a step; None where that never began."""
+    if step is None:
+        return 0.0
+    kind, before = ("IMPACT", step - 1) if phase == StepPhase.RISING.value else ("REVERSAL", step)
+    begun = [i for i in run.events(kind) if run.event_step[i] == before]
+    return float(run.event_t[begun[0]]) if begun else None
 
 
 def _limits(biped: FrontalBiped) -> dict[str, list[dict[str, Any]]]:

@@ -1,7 +1,7 @@
 r"""Reversal-adaptive invariance: phases that begin where the robot is, not where it was planned to be.
 
 **A reversal later than planned.** Beyond s = 1 the rising polynomial is useless (on the reference gait I_P vanishes
-within 1.3e-3 rad), so it is continued, with x = beta - beta_r- and lengths l,
+within 1.52e-3 rad), so it is continued, with x = beta - beta_r- and lengths l,
 
 .. math:: h_d'(x) = h' e^{-x/\ell} + (h'' + h'/\ell) x e^{-x/m}, \qquad p'(x) = p' e^{-x/\ell_p}
 

@@ -13,6 +13,8 @@ from meshcat.geometry import Box
 from offline import assert_offline
 
 from frontal_biped.exceptions import RobotError
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.robot import Robot
 from frontal_biped.simulation import Disturbances, Push
 from frontal_biped.simulation.world import drawable, phase_spans, sole_ends, world_configurations, world_motion
 from frontal_biped.viewer import animation_page
@@ -176,6 +178,16 @@ def test_long_runs_are_thinned_but_keep_both_ends_of_every_phase(biped, walk):
 def test_pushes_are_told(biped, gait, walk):
     pushed = replace(walk, settings={"disturbances": {"pushes": [{"start": 0.5, "duration": 0.1, "impulse": -3.0}]}})
     assert page_data(cast(biped, pushed))["runs"][0]["pushes"] == [{"start": 0.5, "duration": 0.1, "impulse": -3.0}]
+    # of a phase: counted from where it began, and not told where it never did
+    of_phase = {"start": 0.05, "duration": 0.1, "impulse": 2.0, "phase": "falling"}
+    both = {"disturbances": {"pushes": [{**of_phase, "step": 1}, {**of_phase, "step": 99}]}}
+    reversal = next(
+        t
+        for t, kind, step in zip(walk.event_t, walk.event_kind, walk.event_step, strict=True)
+        if kind == "REVERSAL" and step == 1
+    )
+    (told,) = page_data(cast(biped, replace(walk, settings=both)))["runs"][0]["pushes"]
+    assert told["start"] == pytest.approx(reversal + 0.05)
     broken = replace(walk, settings={"disturbances": {"pushes": [{"start": "early"}]}})
     assert page_data(cast(biped, broken))["runs"][0]["pushes"] == []
     from frontal_biped.simulation.walking import simulate
@@ -275,9 +287,6 @@ def test_missing_mesh_is_named(biped, tmp_path):
     mesh = '<mesh filename="package://nowhere/torso.stl"/>'
     urdf.write_text(text.replace('<sphere radius="0.10"/>', mesh), encoding="utf-8")
 
-    class Described:
-        spatial_model = biped.spatial_model
-        description = replace(biped.description, urdf=urdf)
-
+    meshy = FrontalBiped(Robot.of(replace(biped.description, urdf=urdf)))
     with pytest.raises(RobotError, match=r"meshy\.urdf.*nowhere"):
-        visual_model(Described())
+        visual_model(meshy)

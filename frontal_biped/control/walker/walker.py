@@ -109,7 +109,7 @@ class Walker:
         event: PhaseEvent | None = None
         swing_touches = reading.contact[1 if self.stance is Stance.LEFT else 0]
         q, dq = self._measured(reading)
-        clearance = float(self.biped.swing_sole(q)[:, 1].min())
+        clearance = self.biped.swing_clearance(q)
         if self.phases.landing(swing_touches, clearance):
             event = PhaseEvent.LANDING
             self.landings += 1
