@@ -25,6 +25,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 import frontal_biped as fb
+from frontal_biped.virtual_constraints.phase import StepPhase
 from frontal_biped.zero_dynamics.orbit import phase_orbit
 from frontal_biped.zero_dynamics.restricted import restrict
 
@@ -50,11 +51,11 @@ def main() -> None:
     ends = (falling.beta_start, falling.beta_end)
     zeta = solve_ivp(slope, ends, [0.0], rtol=TIGHT, atol=1e-14, method="DOP853").y[0, -1]
     print(f"zeta at the impact, ODE solver     {zeta:.6f} kg^2 m^4/s^2")
-    errors = [abs(phase_orbit(robot, falling, -1, nodes).zeta[-1] / zeta - 1.0) for nodes in NODES]
+    errors = [abs(phase_orbit(robot, falling, StepPhase.FALLING, nodes).zeta[-1] / zeta - 1.0) for nodes in NODES]
     for nodes, error in zip(NODES, errors, strict=True):
         print(f"  quadrature with {nodes:2d} nodes, error below {10.0 ** np.ceil(np.log10(max(error, 1e-10))):.0e}")
     assert errors[-1] < 1e-9
-    orbit = phase_orbit(robot, falling, -1, 24)
+    orbit = phase_orbit(robot, falling, StepPhase.FALLING, 24)
     print(f"time of the fall                   {orbit.duration:.4f} s")
 
 

@@ -34,7 +34,7 @@ from frontal_biped.virtual_constraints.invariance import (
     final_falling_slope,
     rising_parameters,
 )
-from frontal_biped.virtual_constraints.phase import Phase, phase_basis
+from frontal_biped.virtual_constraints.phase import Phase, StepPhase, phase_basis
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit, integrate_from_reversal
 from frontal_biped.zero_dynamics.poincare import StepOrbit
 from frontal_biped.zero_dynamics.restricted import TORQUES, RestrictedDynamics
@@ -269,8 +269,8 @@ class DesignProblem:
         (projected_r, soles_r), (projected_f, soles_f) = self._differentiable.project([up, down])
         on_rising = RestrictedDynamics(projected_r, up.p_fri, up.dp_fri)
         on_falling = RestrictedDynamics(projected_f, down.p_fri, down.dp_fri)
-        rise = integrate_from_reversal(self.rule, +1, Delta_r, up, on_rising)
-        fall = integrate_from_reversal(self.rule, -1, Delta_f, down, on_falling)
+        rise = integrate_from_reversal(self.rule, StepPhase.RISING, Delta_r, up, on_rising)
+        fall = integrate_from_reversal(self.rule, StepPhase.FALLING, Delta_f, down, on_falling)
         surplus = [_surplus(phase.joint_bezier, self.specification.degrees) for phase in (rising, falling)]
         step = StepOrbit(rise, fall, landing, free.step_width)
         return step, SoleHeights(soles_r, soles_f), [part for parts in surplus for part in parts]

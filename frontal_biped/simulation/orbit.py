@@ -7,7 +7,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import Trajectory
-from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.virtual_constraints.phase import Phase, StepPhase
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit, resample
 from frontal_biped.zero_dynamics.restricted import F_H, F_V, TORQUES
 
@@ -64,8 +64,9 @@ def orbit_trajectory(biped: FrontalBiped, gait: Gait, steps: int = 4, samples: i
 def _phase_samples(biped: FrontalBiped, phase: Phase, orbit: PhaseOrbit) -> dict[str, FloatArray]:
     """Samples of one phase in the order of time, which starts at 0."""
     from_reversal = CubicSpline(orbit.tau, orbit.time_density).antiderivative()(orbit.tau)
-    order = slice(None, None, -1) if orbit.direction > 0 else slice(None)
-    t = (from_reversal[-1] - from_reversal) if orbit.direction > 0 else from_reversal
+    rising = orbit.kind is StepPhase.RISING
+    order = slice(None, None, -1) if rising else slice(None)
+    t = (from_reversal[-1] - from_reversal) if rising else from_reversal
     forces = orbit.generalized_forces
     samples = {
         "t": t,
@@ -74,6 +75,6 @@ def _phase_samples(biped: FrontalBiped, phase: Phase, orbit: PhaseOrbit) -> dict
         "u": forces[TORQUES].T,
         "force": forces[[F_H, F_V]].T,
         "p_fri": orbit.motion.p_fri,
-        "phase": np.full(len(t), float(orbit.direction)),
+        "phase": np.full(len(t), orbit.kind.sign),
     }
     return {name: np.ascontiguousarray(values[order]) for name, values in samples.items()}

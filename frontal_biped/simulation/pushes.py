@@ -51,7 +51,7 @@ class Push:
             raise SimulationError(f"push: profile = {self.profile!r} is unknown; known: {', '.join(PROFILES)}")
         if (self.step is None) is not (self.phase is None):
             raise SimulationError("push: step and phase belong together; give both or neither")
-        if self.phase is not None and self.phase not in ("rising", "falling"):
+        if self.phase is not None and self.phase not in {kind.value for kind in StepPhase}:
             raise SimulationError(f"push: phase = {self.phase!r}; write 'rising' or 'falling'")
 
     def force(self, t: float) -> float:
@@ -79,7 +79,7 @@ class PushForces:
     def begin(self, t: float, step: int, phase: StepPhase) -> None:
         """A phase of a step (from 0) begins at time t [s]; only its first beginning counts."""
         for i, push in enumerate(self._pushes):
-            if self._origin[i] is None and push.step == step and push.phase == phase.name.lower():
+            if self._origin[i] is None and push.step == step and push.phase == phase.value:
                 self._origin[i] = t
 
     def at(self, t: float) -> list[tuple[float, float]]:

@@ -11,7 +11,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.numerics.quadrature import ReversalQuadrature, reversal_quadrature
-from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase
+from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase, StepPhase
 from frontal_biped.zero_dynamics.restricted import TORQUES, RestrictedDynamics, on_constraints
 
 
@@ -24,7 +24,7 @@ class PhaseOrbit:
     Attributes:
         tau: (n,) [-].
         weights: (n,) quadrature weights of int_0^1 f dtau [-].
-        direction: +1 rising, -1 falling: the sign of dbeta.
+        kind: rising or falling.
         Delta: |beta_r- - beta_impact| [rad].
         motion: configuration, its derivatives and the FRI target.
         restricted: the scalar dynamics.
@@ -34,7 +34,7 @@ class PhaseOrbit:
 
     tau: FloatArray
     weights: FloatArray
-    direction: int
+    kind: StepPhase
     Delta: float
     motion: ConstrainedMotion
     restricted: RestrictedDynamics
@@ -54,7 +54,7 @@ class PhaseOrbit:
     @property
     def V_Z(self) -> FloatArray:
         """(n,) V_Z = delta_FRI^2 zeta+ - zeta, integrated from the start of the phase ([O] eq. soledo)."""
-        start = -1 if self.direction > 0 else 0
+        start = -1 if self.kind is StepPhase.RISING else 0
         delta_squared = np.exp(self.log_delta_squared - self.log_delta_squared[start])
         return delta_squared * self.zeta[start] - self.zeta
 
@@ -67,7 +67,7 @@ class PhaseOrbit:
     @cached_property
     def dbeta(self) -> FloatArray:
         """(n,) [rad/s]."""
-        return self.direction * self.tau * self.root_two_z / self.restricted.I_P
+        return self.kind.sign * self.tau * self.root_two_z / self.restricted.I_P
 
     @cached_property
     def ddbeta(self) -> FloatArray:
@@ -97,7 +97,7 @@ class PhaseOrbit:
 
 
 def integrate_from_reversal(
-    rule: ReversalQuadrature, direction: int, Delta: float, motion: ConstrainedMotion, restricted: RestrictedDynamics
+    rule: ReversalQuadrature, kind: StepPhase, Delta: float, motion: ConstrainedMotion, restricted: RestrictedDynamics
 ) -> PhaseOrbit:
     """Solve dzeta/dbeta = drive + rate zeta with zeta = 0 at the reversal.
 
@@ -105,7 +105,7 @@ def integrate_from_reversal(
 
     Args:
         rule: quadrature nodes.
-        direction: +1 rising, -1 falling.
+        kind: rising or falling.
         Delta: |beta_r- - beta_impact| [rad].
         motion: the virtual constraints at the nodes.
         restricted: the scalar dynamics at the nodes.
@@ -115,18 +115,18 @@ def integrate_from_reversal(
     """
     exponent = (-2.0 * Delta) * rule.tau**2 * (rule.Q @ restricted.rate)
     z = (-2.0 * Delta) * np.exp(exponent) * (rule.Q @ (np.exp(-exponent) * restricted.drive))
-    return PhaseOrbit(rule.tau, rule.weights, direction, Delta, motion, restricted, exponent, z)
+    return PhaseOrbit(rule.tau, rule.weights, kind, Delta, motion, restricted, exponent, z)
 
 
 def phase_orbit(
-    biped: FrontalBiped, phase: Phase, direction: int, size: int, beta_reversal: float | None = None
+    biped: FrontalBiped, phase: Phase, kind: StepPhase, size: int, beta_reversal: float | None = None
 ) -> PhaseOrbit:
     """Orbit of a phase through a reversal.
 
     Args:
         biped: the robot.
         phase: virtual constraints.
-        direction: +1 for a rising phase, -1 for a falling one.
+        kind: whether it rises or falls; the ends of a phase do not say, where a design has gone astray.
         size: number of quadrature nodes.
         beta_reversal: where it reverses; default: where the phase plans it.
 
@@ -136,14 +136,15 @@ def phase_orbit(
     Raises:
         ReversalError: the reversal lies on the wrong side of the impact.
     """
-    planned, impact_end = (phase.beta_end, phase.beta_start) if direction > 0 else (phase.beta_start, phase.beta_end)
+    ends = phase.beta_start, phase.beta_end
+    impact_end, planned = ends if kind is StepPhase.RISING else ends[::-1]
     reversal = planned if beta_reversal is None else beta_reversal
     Delta = reversal - impact_end
     if Delta <= 0.0:
         raise ReversalError(f"reversal at beta = {reversal:.6g} rad is not above the impact at {impact_end:.6g} rad")
     rule = reversal_quadrature(size)
     motion, restricted = on_constraints(biped, phase, reversal - Delta * rule.tau**2)
-    return integrate_from_reversal(rule, direction, Delta, motion, restricted)
+    return integrate_from_reversal(rule, kind, Delta, motion, restricted)
 
 
 def resample(biped: FrontalBiped, phase: Phase, orbit: PhaseOrbit, tau: FloatArray) -> PhaseOrbit:
@@ -158,4 +159,4 @@ def resample(biped: FrontalBiped, phase: Phase, orbit: PhaseOrbit, tau: FloatArr
     motion, restricted = on_constraints(biped, phase, orbit.beta[0] - orbit.Delta * tau**2)
     weights = np.gradient(tau)
     weights[[0, -1]] *= 0.5
-    return PhaseOrbit(tau, weights, orbit.direction, orbit.Delta, motion, restricted, exponent, z)
+    return PhaseOrbit(tau, weights, orbit.kind, orbit.Delta, motion, restricted, exponent, z)

@@ -19,7 +19,7 @@ import numpy as np
 
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.impact import Landing, impact
-from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.virtual_constraints.phase import Phase, StepPhase
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit, phase_orbit
 
 
@@ -74,8 +74,8 @@ def step_orbit(
     beta_reversal: float | None = None,
 ) -> StepOrbit:
     """The step through a reversal point, by default the planned one, on ``size`` quadrature nodes a phase."""
-    up = phase_orbit(biped, rising, +1, size, beta_reversal)
-    down = phase_orbit(biped, falling, -1, size, beta_reversal)
+    up = phase_orbit(biped, rising, StepPhase.RISING, size, beta_reversal)
+    down = phase_orbit(biped, falling, StepPhase.FALLING, size, beta_reversal)
     landing = impact(biped, down.motion.q[-1], down.motion.dq[-1])
     return StepOrbit(up, down, landing, step_width)
 

@@ -132,7 +132,7 @@ def test_output_obeys_its_error_dynamics(robot, gait, controller, which, s, dbet
 def test_on_the_orbit_the_command_is_the_torque_of_the_zero_dynamics(biped, reference_gait, which):
     controller = QpController(biped, reference_gait)
     phase = phase_of(reference_gait, which)
-    orbit = phase_orbit(biped, phase, 1 if which is StepPhase.RISING else -1, 32)
+    orbit = phase_orbit(biped, phase, which, 32)
     for i in range(0, 32, 4):
         command = controller.command(which, orbit.motion.q[i], orbit.motion.dq[i] * orbit.dbeta[i])
         assert_close(command.u, orbit.generalized_forces[3:, i], 1e-7)

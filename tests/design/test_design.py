@@ -8,6 +8,7 @@ from frontal_biped.design.optimise import OPTIMISER_NODES
 from frontal_biped.exceptions import SpecificationError, UnreachablePoseError
 from frontal_biped.gait import GaitSpecification, check_constraints
 from frontal_biped.gait.check import DENSER
+from frontal_biped.virtual_constraints.phase import StepPhase
 from frontal_biped.zero_dynamics.orbit import phase_orbit, resample
 from frontal_biped.zero_dynamics.poincare import step_orbit
 
@@ -70,14 +71,14 @@ class TestDesignedGait:
         assert (specification.max_pelvis_roll or 0.0) == pytest.approx(expected)
 
 
-@pytest.mark.parametrize("direction", [+1, -1])
-def test_constraints_by_hand_on_a_random_grid(biped, level_design, direction):
+@pytest.mark.parametrize("kind", list(StepPhase))
+def test_constraints_by_hand_on_a_random_grid(biped, level_design, kind):
     """C05, C06 and the pelvis, from positions and inverse dynamics at points no grid contains."""
     gait = level_design.gait
     spec = gait.specification
-    phase = gait.rising if direction > 0 else gait.falling
-    tau = np.sort(np.random.default_rng(direction + 1).uniform(0.0, 1.0, 200))
-    orbit = resample(biped, phase, phase_orbit(biped, phase, direction, 40), tau)
+    phase = gait.rising if kind is StepPhase.RISING else gait.falling
+    tau = np.sort(np.random.default_rng(int(kind.sign) + 1).uniform(0.0, 1.0, 200))
+    orbit = resample(biped, phase, phase_orbit(biped, phase, kind, 40), tau)
     # a constraint may dip between two points of the dense grid by the square of their distance
     dip = 1e-5
     for i in range(tau.size):
@@ -98,7 +99,7 @@ def test_impact_constraints_by_hand(biped, reference_design):
 
     gait = reference_design.gait
     spec = gait.specification
-    orbit = phase_orbit(biped, gait.falling, -1, 40)
+    orbit = phase_orbit(biped, gait.falling, StepPhase.FALLING, 40)
     q, dq = orbit.motion.q[-1], orbit.motion.dq[-1] * orbit.dbeta[-1]
     rounding = 1e-8
     descent = -biped.swing_sole_jacobian(q)[:, 1] @ dq

@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 
 from frontal_biped.model import load_robot
 from frontal_biped.virtual_constraints import Phase, double_support_pose
+from frontal_biped.virtual_constraints.phase import StepPhase
 from frontal_biped.zero_dynamics.energy import phase_energy
 from frontal_biped.zero_dynamics.orbit import phase_orbit
 from frontal_biped.zero_dynamics.poincare import HybridZeroDynamics, step_orbit
@@ -108,7 +109,7 @@ def test_quarter_period_of_the_rocking_block_in_the_slender_limit(tmp_path):
         robot = a_frame(tmp_path / f"{leg}", 1e-11, leg=leg, inertia=R**2 / 3.0)
         sway = 0.5 * alpha  # the block rises by theta_0 = alpha / 2 from its flat stand
         rising, _, _ = rocking(robot, HIPS, sway)
-        orbit = phase_orbit(robot, rising, +1, 24)
+        orbit = phase_orbit(robot, rising, StepPhase.RISING, 24)
         p = np.sqrt(0.75 * GRAVITY / R)
         errors.append(abs(orbit.duration * p / np.arccosh(2.0) - 1.0))
         angles.append(alpha)
@@ -126,7 +127,7 @@ def test_inverted_pendulum_in_the_limit_of_small_angles(tmp_path):
         _, alpha = lean(robot, pose)
         sway = 0.25 * alpha
         rising, _, _ = rocking(robot, HIPS, sway)
-        orbit = phase_orbit(robot, rising, +1, 24)
+        orbit = phase_orbit(robot, rising, StepPhase.RISING, 24)
         omega, half = np.sqrt(GRAVITY / robot.com(pose)[1]), 0.5 * HIPS
         T = 2.0 * orbit.duration
         v_0 = omega * half * np.tanh(0.5 * omega * T)
@@ -173,7 +174,7 @@ def test_published_orbit_of_the_inverted_pendulum(tmp_path):
     upright = double_support_pose(robot, -0.5 * np.pi, HIPS)
     half, reversal, digit = 0.5 * HIPS, 0.0735074, 0.5e-7
     phase = level_pendulum(robot, leg, upright[2:], half, reversal)
-    orbit = phase_orbit(robot, phase, +1, 24)
+    orbit = phase_orbit(robot, phase, StepPhase.RISING, 24)
     heights = np.array([robot.com(q)[1] for q in orbit.motion.q])
     assert heights == pytest.approx(leg, abs=CLOSED)
     omega = np.sqrt(GRAVITY / leg)

@@ -11,6 +11,7 @@ from frontal_biped.design.problem import DesignProblem
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.virtual_constraints import Phase, complete
+from frontal_biped.virtual_constraints.phase import StepPhase
 from frontal_biped.zero_dynamics.orbit import phase_orbit, resample
 from frontal_biped.zero_dynamics.restricted import restrict
 
@@ -29,11 +30,7 @@ ROUNDING = 1e-10
 NODES = 40
 """Quadrature nodes at which the motions below are converged to rounding."""
 
-PHASES = ("rising", "falling")
-
-
-def direction_of(name):
-    return 1 if name == "rising" else -1
+PHASES = tuple(kind.value for kind in StepPhase)
 
 
 @pytest.fixture(scope="session")
@@ -57,15 +54,15 @@ WALKS = ("reference", "level", "table1_low_torso", "raised_ankle")
 
 @pytest.fixture(params=[(walk, name) for walk in WALKS for name in PHASES], ids="-".join)
 def case(request, walks):
-    """(robot, phase, direction)."""
+    """(robot, phase, whether it rises or falls)."""
     walk, name = request.param
     robot, rising, falling = walks[walk]
-    return robot, rising if name == "rising" else falling, direction_of(name)
+    return robot, rising if name == "rising" else falling, StepPhase(name)
 
 
-def ends(phase, direction):
+def ends(phase, kind):
     """(beta at the reversal, beta at the impact)."""
-    return (phase.beta_end, phase.beta_start) if direction > 0 else (phase.beta_start, phase.beta_end)
+    return (phase.beta_end, phase.beta_start) if kind is StepPhase.RISING else (phase.beta_start, phase.beta_end)
 
 
 class TestAgainstTheIndependentModel:
@@ -112,9 +109,9 @@ def test_angular_momentum_about_the_ankle(case):
 
 def test_zeta_against_runge_kutta_in_beta(case):
     """dzeta/dbeta = kappa_2/kappa_1 + 2 (kappa_3/kappa_1) zeta from zeta = 0 at the reversal."""
-    robot, phase, direction = case
-    reversal, impact = ends(phase, direction)
-    orbit = phase_orbit(robot, phase, direction, NODES)
+    robot, phase, kind = case
+    reversal, impact = ends(phase, kind)
+    orbit = phase_orbit(robot, phase, kind, NODES)
 
     def slope(beta, zeta):
         restricted = restrict(robot, phase, np.array([beta]))
@@ -127,15 +124,15 @@ def test_zeta_against_runge_kutta_in_beta(case):
 
 def test_momentum_and_moment_against_runge_kutta_in_time(case):
     """dbeta = kappa_1 sigma, dsigma = kappa_2 + kappa_3 sigma^2 in time, to or from the reversal."""
-    robot, phase, direction = case
-    orbit = phase_orbit(robot, phase, direction, NODES)
-    reversal, impact = ends(phase, direction)
+    robot, phase, kind = case
+    orbit = phase_orbit(robot, phase, kind, NODES)
+    reversal, impact = ends(phase, kind)
 
     def flow(_, x):
         restricted = restrict(robot, phase, x[:1])
         return [restricted.kappa_1[0] * x[1], restricted.kappa_2[0] + restricted.kappa_3[0] * x[1] ** 2]
 
-    if direction > 0:
+    if kind is StepPhase.RISING:
         start = [impact, float(np.sqrt(2.0 * orbit.zeta[-1]))]
 
         def event(_, x):
@@ -150,7 +147,7 @@ def test_momentum_and_moment_against_runge_kutta_in_time(case):
     solution = solve_ivp(flow, (0.0, 5.0), start, events=event, **ODE)
     beta_end, sigma_end = solution.y[:, -1]
     assert solution.t[-1] == pytest.approx(orbit.duration, rel=ODE_TOLERANCE)
-    if direction > 0:
+    if kind is StepPhase.RISING:
         assert beta_end == pytest.approx(reversal, abs=ODE_TOLERANCE)
     else:
         assert 0.5 * sigma_end**2 == pytest.approx(orbit.zeta[-1], rel=ODE_TOLERANCE)
@@ -158,10 +155,10 @@ def test_momentum_and_moment_against_runge_kutta_in_time(case):
 
 def test_quadrature_converges_spectrally(case):
     """The error of zeta at the impact falls by more than ten for every eight nodes until rounding."""
-    robot, phase, direction = case
+    robot, phase, kind = case
 
     def figure(size):
-        return float(phase_orbit(robot, phase, direction, size).zeta[-1])
+        return float(phase_orbit(robot, phase, kind, size).zeta[-1])
 
     exact = figure(64)
     errors = [abs(figure(size) - exact) / abs(exact) for size in (8, 16, 24, 32)]
@@ -174,31 +171,31 @@ def test_quadrature_converges_spectrally(case):
 @pytest.mark.parametrize("energy", [0.9, 1.0, 1.5])
 def test_energy_law_of_the_phase(case, energy):
     """zeta + V_Z = delta^2 zeta+ along a phase, for whatever energy it starts with."""
-    robot, phase, direction = case
-    orbit = phase_orbit(robot, phase, direction, NODES)
-    reversal, impact = ends(phase, direction)
-    start, end = (impact, reversal) if direction > 0 else (reversal, impact)
-    zeta_plus = energy * (abs(orbit.zeta[-1]) if direction > 0 else 1.0)
+    robot, phase, kind = case
+    orbit = phase_orbit(robot, phase, kind, NODES)
+    reversal, impact = ends(phase, kind)
+    start, end = (impact, reversal) if kind is StepPhase.RISING else (reversal, impact)
+    zeta_plus = energy * (abs(orbit.zeta[-1]) if kind is StepPhase.RISING else 1.0)
 
     def slope(beta, x):  # zeta, V_Z, log delta^2
         restricted = restrict(robot, phase, np.array([beta]))
         drive, rate = restricted.drive[0], restricted.rate[0]
         return [drive + rate * x[0], -drive + rate * x[1], rate]
 
-    beta = orbit.beta[::-direction]
+    beta = orbit.beta[:: -int(kind.sign)]
     zeta, V_Z, log_delta_squared = solve_ivp(slope, (start, end), [zeta_plus, 0.0, 0.0], t_eval=beta, **ODE).y
     size = np.abs(orbit.zeta).max()
     assert_close(zeta + V_Z, np.exp(log_delta_squared) * zeta_plus, ODE_TOLERANCE, floor=size)
     # V_Z and delta of the package are those of the differential equations
-    assert_close(orbit.V_Z[::-direction], V_Z, ODE_TOLERANCE, floor=size)
-    exponent = orbit.log_delta_squared - orbit.log_delta_squared[-1 if direction > 0 else 0]
-    assert_close(exponent[::-direction], log_delta_squared, ODE_TOLERANCE, floor=1.0)
+    assert_close(orbit.V_Z[:: -int(kind.sign)], V_Z, ODE_TOLERANCE, floor=size)
+    exponent = orbit.log_delta_squared - orbit.log_delta_squared[-1 if kind is StepPhase.RISING else 0]
+    assert_close(exponent[:: -int(kind.sign)], log_delta_squared, ODE_TOLERANCE, floor=1.0)
 
 
 def test_acceleration_is_the_rate_of_the_speed(case):
     """ddbeta = d(dbeta^2/2)/dbeta."""
-    robot, phase, direction = case
-    orbit = phase_orbit(robot, phase, direction, NODES)
+    robot, phase, kind = case
+    orbit = phase_orbit(robot, phase, kind, NODES)
     tau, step = np.linspace(0.1, 0.9, 7), 1e-5
     here = resample(robot, phase, orbit, tau)
     after, before = (resample(robot, phase, orbit, tau + d) for d in (step, -step))
@@ -209,8 +206,8 @@ def test_acceleration_is_the_rate_of_the_speed(case):
 
 def test_acceleration_in_the_form_of_the_paper(case):
     """ddbeta = -(I_P'/I_P) dbeta^2 + (kappa_2 + kappa_3 sigma^2)/I_P."""
-    robot, phase, direction = case
-    orbit = phase_orbit(robot, phase, direction, NODES)
+    robot, phase, kind = case
+    orbit = phase_orbit(robot, phase, kind, NODES)
     speed_squared = np.linspace(0.0, 0.2, orbit.tau.size)
     step = 1e-6
     slope = (restrict(robot, phase, orbit.beta + step).I_P - restrict(robot, phase, orbit.beta - step).I_P) / (2 * step)
@@ -221,8 +218,8 @@ def test_acceleration_in_the_form_of_the_paper(case):
 
 def test_torques_on_the_orbit_satisfy_the_pinned_dynamics(case):
     """The closed-form orbit is a motion of the full robot, FRI on target, reaction from Newton."""
-    robot, phase, direction = case
-    orbit = phase_orbit(robot, phase, direction, NODES)
+    robot, phase, kind = case
+    orbit = phase_orbit(robot, phase, kind, NODES)
     motion, w = orbit.motion, orbit.generalized_forces
     for i in range(0, orbit.tau.size, 3):
         q, dq = motion.q[i], motion.dq[i] * orbit.dbeta[i]
@@ -236,8 +233,8 @@ def test_torques_on_the_orbit_satisfy_the_pinned_dynamics(case):
 
 def test_cost_and_duration_are_integrals_over_time(biped, reference_gait):
     for name in PHASES:
-        phase, direction = getattr(reference_gait, name), direction_of(name)
-        orbit = phase_orbit(biped, phase, direction, NODES)
+        phase, kind = getattr(reference_gait, name), StepPhase(name)
+        orbit = phase_orbit(biped, phase, kind, NODES)
         fine = resample(biped, phase, orbit, np.linspace(0.0, 1.0, 4001))
         # time from positions and speeds alone: dt = d beta / dbeta between neighbours, trapezoidal in tau
         density = np.abs(np.gradient(fine.beta, fine.tau)[1:] / fine.dbeta[1:])
@@ -248,16 +245,16 @@ def test_cost_and_duration_are_integrals_over_time(biped, reference_gait):
 
 
 def test_speed_signs(biped, reference_gait):
-    rising = phase_orbit(biped, reference_gait.rising, +1, NODES)
-    falling = phase_orbit(biped, reference_gait.falling, -1, NODES)
+    rising = phase_orbit(biped, reference_gait.rising, StepPhase.RISING, NODES)
+    falling = phase_orbit(biped, reference_gait.falling, StepPhase.FALLING, NODES)
     assert np.all(rising.dbeta[1:] > 0.0) and np.all(falling.dbeta[1:] < 0.0)
     assert rising.dbeta[0] == falling.dbeta[0] == 0.0
     assert rising.ddbeta[0] < 0.0  # gravity pulls back at the reversal (HIP2)
 
 
 def test_resampling_keeps_the_orbit(case):
-    robot, phase, direction = case
-    orbit = phase_orbit(robot, phase, direction, NODES)
+    robot, phase, kind = case
+    orbit = phase_orbit(robot, phase, kind, NODES)
     same = resample(robot, phase, orbit, orbit.tau)
     assert_close(same.zeta, orbit.zeta, ROUNDING)
     assert_close(same.log_delta_squared, orbit.log_delta_squared, ROUNDING, floor=1e-3)
@@ -266,4 +263,4 @@ def test_resampling_keeps_the_orbit(case):
 def test_reversal_below_the_impact_is_an_error(biped, reference_gait):
     phase = reference_gait.rising
     with pytest.raises(ReversalError, match="not above the impact"):
-        phase_orbit(biped, phase, +1, 16, phase.beta_start - 0.01)
+        phase_orbit(biped, phase, StepPhase.RISING, 16, phase.beta_start - 0.01)

@@ -160,7 +160,7 @@ class Walker:
     def _measured(self, reading: Reading) -> tuple[FloatArray, FloatArray | None]:
         """Stance coordinates of a reading; the stance leg's absolute angle, whatever its foot does."""
         coordinates, stance = self.biped.stance_map, self.stance
-        outwards = -1.0 if stance is Stance.LEFT else 1.0  # sense of +X in (h, v)
+        outwards = -stance.sign  # sense of +X in (h, v)
         q = coordinates.positions_to_stance(reading.joint_positions, stance).copy()
         q[0] = outwards * reading.base_roll + 2.0 * UPRIGHT - q[1]
         if reading.joint_velocities is None:

@@ -69,7 +69,7 @@ class FrontalBodies:
     def chain(self, sole: Sole, stance: Stance = Stance.LEFT) -> FrontalChain:
         """The open chain with one foot as the stance foot; the two differ where the legs do."""
         order = ROLL_JOINTS if stance is Stance.LEFT else ROLL_JOINTS[::-1]
-        side = 1.0 if stance is Stance.LEFT else -1.0
+        side = stance.sign
         foot = self.position[order[0]]
         ground = foot[1] - sole.ankle_height
 
