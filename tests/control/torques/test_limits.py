@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from frontal_biped.control import ControllerSettings, JointLimits, QpController
+from frontal_biped.control.torques.limits import WalkingLimits
+from frontal_biped.gait.constraints import phase_limits
 from frontal_biped.model import load_robot
 from frontal_biped.model.state import State
 from frontal_biped.virtual_constraints import StepPhase
@@ -135,3 +137,24 @@ def test_inside_the_ranges_some_acceleration_meets_every_bound(biped):
 def test_defaults_have_no_joint_bounds(biped, level_gait):
     assert QpController(biped, level_gait).program.qp.limits.joints is None
     assert dataclasses.replace(ControllerSettings(), joint_rate=50.0).joint_rate == 50.0
+
+
+def test_the_program_keeps_what_the_gait_was_designed_for(biped, level_gait):
+    """Its limits are C06 as design and report have it (`gait.constraints`), the FRI up to the end of the sole."""
+    specification = dataclasses.replace(level_gait.specification, fri_margin=0.0, max_torque=(20.0, 40.0, 50.0, 15.0))
+    gait = dataclasses.replace(level_gait, specification=specification)
+    limits = WalkingLimits.of(biped, ControllerSettings.for_gait(gait)).contact
+    rng = np.random.default_rng(7)
+    n = 4000
+    F_v = biped.weight * rng.uniform(0.02, 1.5, n)
+    F_h = rng.uniform(-1.5, 1.5, n) * specification.friction * F_v
+    p_fri = rng.uniform(-1.5, 1.5, n) * biped.sole[1]
+    u = rng.uniform(-1.1, 1.1, (n, 4)) * np.array(specification.max_torque)
+    forces = np.array([F_h, F_v, p_fri * F_v, *u.T])
+    vertical, friction, fri, torques = phase_limits(biped, specification, forces, p_fri, "rising")
+    inside = np.ones(n, dtype=bool)
+    for constraint in (vertical, friction, fri, *torques):
+        for bound, sign in constraint.sides():
+            inside &= sign * (constraint.values - bound) >= 0.0
+    assert 0.05 * n < inside.sum() < 0.95 * n  # both answers occur
+    assert [limits.keeps(column) for column in forces.T.tolist()] == inside.tolist()
