@@ -35,7 +35,7 @@ from scipy.interpolate import CubicHermiteSpline
 from frontal_biped.arrays import FloatArray
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.simulation.trajectory import COMPLETED, Trajectory
 from frontal_biped.simulation.walking import walk
 from frontal_biped.zero_dynamics.orbit import resample
 
@@ -115,7 +115,7 @@ class CrossCheck:
     @property
     def walked(self) -> bool:
         """Did the robot fall in none of them?"""
-        return all(report.outcome == "completed" for report in self.reports)
+        return all(report.outcome == COMPLETED for report in self.reports)
 
     @property
     def step_time_difference(self) -> float:
@@ -136,7 +136,7 @@ class CrossCheck:
         lines += [
             f"{report.engine}: FELL after {report.steps} steps ({report.outcome})"
             for report in self.reports
-            if report.outcome != "completed"
+            if report.outcome != COMPLETED
         ]
         return "\n".join(lines)
 

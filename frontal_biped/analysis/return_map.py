@@ -15,6 +15,7 @@ from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.margins import ContactMargins, Margin
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.stance_map import relabel
 from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
 from frontal_biped.zero_dynamics.energy import PhaseEnergy
 from frontal_biped.zero_dynamics.half_steps import ConstrainedState, falling_energy, land_on_constraints, rising_energy
@@ -117,7 +118,7 @@ class RestrictedMap:
         down = falling_energy(self.biped, falling, reversal)
         landed = land_on_constraints(self.biped, down)
         margins = [*self.limits.rising(up, start.dbeta, reversal), *self.limits.falling(down, reversal)]
-        q_minus = landed.q[::-1]
+        q_minus = relabel(landed.q)
         width = float(self.biped.joint_positions(q_minus)[3, 0])
         return RestrictedStep(start, reversal, rising, falling, landed, width, tuple(margins))
 

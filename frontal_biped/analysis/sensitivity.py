@@ -18,6 +18,7 @@ from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.settings import SimulationSettings
+from frontal_biped.simulation.trajectory import COMPLETED
 from frontal_biped.simulation.walking import simulate
 from frontal_biped.zero_dynamics.half_steps import rising_energy
 
@@ -142,7 +143,7 @@ class SpeedErrorOutcome:
 
     def __str__(self) -> str:
         after = f"{self.steps_completed} steps" if self.steps_completed != 1 else "1 step"
-        end = f"walks {after}" if self.outcome == "completed" else f"falls after {after}: {self.outcome}"
+        end = f"walks {after}" if self.outcome == COMPLETED else f"falls after {after}: {self.outcome}"
         return (
             f"a {100 * self.speed_error:+.3g} % error in the post-impact speed moves the first reversal by"
             f" {self.reversal_shift:+.2e} rad and costs {self.worst_output_error:.1e} rad of invariance;"

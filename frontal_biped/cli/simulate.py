@@ -29,7 +29,10 @@ _ENGINES = (
     "mujoco: MuJoCo's contact, and a walker that sees sensor readings only (extra mujoco); both: that walker in MuJoCo"
     " and in ours, side by side; -o RUN.npz then writes RUN.mujoco.npz and RUN.ours.npz; default: ours"
 )
-_STABILISERS = "fixed, adaptive, ankle, step, step-lqr or ankle+step; default: adaptive, in MuJoCo with the energy law"
+_STABILISERS = (
+    "fixed, re-anchored, adaptive, ankle, step, step-lqr or ankle+step; default: adaptive, in MuJoCo with"
+    " the energy law"
+)
 _OUTPUTS = "what drives the outputs: linearising, or clf, a control Lyapunov function"
 
 

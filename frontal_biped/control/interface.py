@@ -80,9 +80,9 @@ class Tickable(Protocol):
 class Contract(Enum):
     """How a controller is asked for torques."""
 
-    SENSED = "tick and reset"
+    SENSED = ("tick", "reset")
     """It is shown sensor readings only, as `Walker`: a `Tickable`."""
-    TOLD = "begin and command"
+    TOLD = ("begin", "command")
     """It is told state and events, as `QpController`: a `Controller`."""
 
     @classmethod
@@ -90,7 +90,7 @@ class Contract(Enum):
         """The contract that an object keeps, by its methods; None for none, and for a class: that is a factory."""
         if isinstance(thing, type):
             return None
-        return next((kind for kind in cls if all(hasattr(thing, name) for name in kind.value.split(" and "))), None)
+        return next((kind for kind in cls if all(hasattr(thing, name) for name in kind.value)), None)
 
 
 class Command(Protocol):

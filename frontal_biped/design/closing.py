@@ -6,6 +6,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.problem import DesignProblem
+from frontal_biped.design.variables import STEP_WIDTH
 from frontal_biped.gait.gait import Gait, RobotReference, converged_nodes, orbit_numbers
 from frontal_biped.virtual_constraints.phase import Phase
 from frontal_biped.zero_dynamics.poincare import StepOrbit, step_orbit
@@ -32,7 +33,7 @@ class ClosedStep(NamedTuple):
         biped = problem.biped
         reference = RobotReference(biped.name, biped.path.name, biped.fingerprint)
         orbit = orbit_numbers(biped, self.step)
-        return Gait(reference, *self.phases, float(self.x[2]), orbit, problem.specification)
+        return Gait(reference, *self.phases, float(self.x[STEP_WIDTH]), orbit, problem.specification)
 
 
 def close_step(problem: DesignProblem, x: FloatArray, newton: bool = True) -> ClosedStep:
@@ -52,11 +53,11 @@ def close_step(problem: DesignProblem, x: FloatArray, newton: bool = True) -> Cl
     """
     biped = problem.biped
     phases = problem.phases(x)
-    nodes = converged_nodes(biped, *phases, float(x[2]))
+    nodes = converged_nodes(biped, *phases, float(x[STEP_WIDTH]))
     if newton:
         x = _newton(problem.on_nodes(nodes), x)
         phases = problem.phases(x)
-    return ClosedStep(x, phases, step_orbit(biped, *phases, float(x[2]), nodes))
+    return ClosedStep(x, phases, step_orbit(biped, *phases, float(x[STEP_WIDTH]), nodes))
 
 
 def _newton(problem: DesignProblem, x: FloatArray) -> FloatArray:

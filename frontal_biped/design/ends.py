@@ -7,11 +7,12 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.start import swayed_stand
-from frontal_biped.design.variables import VariableLayout
+from frontal_biped.design.variables import BETA_IMPACT, STEP_WIDTH, VariableLayout
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.impact import Landing, impact
+from frontal_biped.model.stance_map import relabel
 from frontal_biped.virtual_constraints.invariance import FreeParameters, StepBegin, double_support_pose
 from frontal_biped.zero_dynamics.poincare import StepOrbit
 
@@ -100,7 +101,7 @@ class Between:
         end = after.falling.motion(np.array([after.falling.beta_end]))
         arrival = impact(biped, end.q[0], end.dq[0])
         self.departure = Departure(
-            StepBegin(start.q[0][::-1], start.dq[0, 1:]), impact(biped, landed.q[0], landed.dq[0])
+            StepBegin(relabel(start.q[0]), start.dq[0, 1:]), impact(biped, landed.q[0], landed.dq[0])
         )
         self.speed_after_impact = before.orbit.beta_dot_after_impact
         self.speed_before_impact = after.orbit.beta_dot_after_impact / float(arrival.speed_ratio)
@@ -114,7 +115,7 @@ class Between:
 
     def held(self, layout: VariableLayout) -> tuple[list[int], FloatArray]:
         """What the second gait's landing fixes."""
-        which = [1, 2, *layout.last_falling_column]
+        which = [BETA_IMPACT, STEP_WIDTH, *layout.last_falling_column]
         return which, layout.of(self._after)[which]
 
     def completed(self, free: FreeParameters) -> FreeParameters:

@@ -11,6 +11,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.explanation import Conflict, Remedy, conflicts, remedy
 from frontal_biped.design.problem import COLUMN_REACH, DesignProblem
 from frontal_biped.design.search import Candidate, Progress, Search
+from frontal_biped.design.variables import STEP_WIDTH
 from frontal_biped.design.verification import RETURN_TOLERANCE, Verification, verify
 from frontal_biped.exceptions import SpecificationError
 from frontal_biped.files.provenance import software_versions
@@ -138,7 +139,7 @@ def _drawn(problem: DesignProblem, rng: np.random.Generator) -> FloatArray:
     """A random start around the default one, of any step width."""
     low, high = problem.bounds()
     x = problem.start() + SPREAD * problem.scale() * rng.normal(size=problem.size)
-    x[2] = rng.uniform(*problem.specification.step_width)
+    x[STEP_WIDTH] = rng.uniform(*problem.specification.step_width)
     return np.clip(x, low, high)
 
 

@@ -18,13 +18,14 @@ from frontal_biped.design.ends import Periodic, StepEnds
 from frontal_biped.design.forward_mode import Dual, elementwise, independent
 from frontal_biped.design.rows import MarginLayout, MarginRow, lay_out
 from frontal_biped.design.trust_region_sqp import largest_violation
-from frontal_biped.design.variables import VariableLayout
+from frontal_biped.design.variables import BETA_IMPACT, STEP_WIDTH, VariableLayout
 from frontal_biped.exceptions import UnreachablePoseError
 from frontal_biped.gait.constraints import Constraint, SoleHeights, step_constraints
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.impact import Landing
+from frontal_biped.model.stance_map import relabel
 from frontal_biped.numerics.quadrature import reversal_quadrature
 from frontal_biped.virtual_constraints.invariance import (
     FreeParameters,
@@ -92,7 +93,7 @@ class DesignProblem:
         column_reach: how far a Bezier column may be from that of the start [rad].
     """
 
-    SPECIFIED_VARIABLES: ClassVar = {2: ("step_width[0]", "step_width[1]")}
+    SPECIFIED_VARIABLES: ClassVar = {STEP_WIDTH: ("step_width[0]", "step_width[1]")}
     """Index of a variable whose bounds stand in the specification: their entries."""
 
     def __init__(
@@ -147,7 +148,7 @@ class DesignProblem:
         middle = self.ends.starts(self.layout)[-1]
         low, high = middle - self.column_reach, middle + self.column_reach
         low[:2], high[:2] = middle[:2] - 0.15, middle[:2] + 0.15
-        low[2], high[2] = self.specification.step_width
+        low[STEP_WIDTH], high[STEP_WIDTH] = self.specification.step_width
         outer, inner = self.biped.sole
         low[self.layout.fri], high[self.layout.fri] = 3.0 * outer, 3.0 * inner
         which, values = self.ends.held(self.layout)
@@ -250,16 +251,13 @@ class DesignProblem:
 
     def _step(self, x: Dual) -> tuple[StepOrbit, SoleHeights, list[FloatArray]]:
         free = self.unpack(cast("FloatArray", x))
-        q_minus = self._differentiable.double_support_pose(x[1], x[2])
+        q_minus = self._differentiable.double_support_pose(x[BETA_IMPACT], x[STEP_WIDTH])
         dq_minus = final_falling_slope(free, cast("FloatArray", q_minus))
         flat = self._differentiable.impact(q_minus, cast("Dual", dq_minus))
         rates = (flat[rows] for rows in _LANDING_ROWS)
-        landing = Landing(*(cast("FloatArray", part) for part in (q_minus[::-1], *rates)))
+        landing = Landing(relabel(cast("FloatArray", q_minus)), *(cast("FloatArray", part) for part in rates))
         departure = self.ends.departure
-        if departure is None:
-            begin = StepBegin(cast("FloatArray", q_minus), landing.dq_plus[1:] / landing.speed_ratio)
-        else:
-            begin = departure.begin
+        begin = StepBegin(cast("FloatArray", q_minus), landing.slope) if departure is None else departure.begin
         rising = rising_parameters(free, *begin)
         falling = falling_parameters(free, cast("FloatArray", q_minus), rising)
         turn, tau_squared = free.beta_reversal, self.rule.tau**2

@@ -13,6 +13,7 @@ from frontal_biped.design.ends import Between
 from frontal_biped.design.optimise import OPTIMISER_NODES, SAFETY
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.design.search import Search
+from frontal_biped.design.variables import STEP_WIDTH
 from frontal_biped.exceptions import DesignFailedError, GaitFileError
 from frontal_biped.gait.check import ConstraintReport
 from frontal_biped.gait.gait import Gait
@@ -92,7 +93,7 @@ def design_transition(
     return Transition(
         rising,
         falling,
-        float(found.closed.x[2]),
+        float(found.closed.x[STEP_WIDTH]),
         float(step.duration),
         float(step.cost),
         float(step.rising.dbeta[-1]),

@@ -11,6 +11,9 @@ from frontal_biped.virtual_constraints.bezier import bernstein, elevate
 from frontal_biped.virtual_constraints.invariance import FreeParameters, free_parameters
 from frontal_biped.virtual_constraints.phase import Phase
 
+BETA_REVERSAL, BETA_IMPACT, STEP_WIDTH = 0, 1, 2
+"""The first variables of every design."""
+
 
 class VariableLayout:
     """Order of the variables (P,).
@@ -41,7 +44,7 @@ class VariableLayout:
         a, b, c, d, e = self._splits
         rising = np.reshape(x[a:b], (-1, 3)).T if not isinstance(x, Dual) else _columns(x, a, b)
         falling = np.reshape(x[b:c], (-1, 3)).T if not isinstance(x, Dual) else _columns(x, b, c)
-        return FreeParameters(x[0], x[1], x[2], rising, falling, x[c:d], x[d:e])
+        return FreeParameters(x[BETA_REVERSAL], x[BETA_IMPACT], x[STEP_WIDTH], rising, falling, x[c:d], x[d:e])
 
     def pack(self, free: FreeParameters) -> FloatArray:
         """Variable vector (P,) of free parameters."""

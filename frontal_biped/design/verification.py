@@ -11,6 +11,7 @@ import numpy as np
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.settings import SimulationSettings
+from frontal_biped.simulation.trajectory import COMPLETED
 from frontal_biped.simulation.walking import simulate
 
 RETURN_TOLERANCE = 1e-4
@@ -36,7 +37,7 @@ class Verification:
     @property
     def passed(self) -> bool:
         """Did the step return to where it began?"""
-        return self.outcome == "completed" and self.return_error < RETURN_TOLERANCE
+        return self.outcome == COMPLETED and self.return_error < RETURN_TOLERANCE
 
 
 def verify(biped: FrontalBiped, gait: Gait) -> Verification:

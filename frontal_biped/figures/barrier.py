@@ -25,6 +25,7 @@ from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.simulation.world import phase_spans
+from frontal_biped.virtual_constraints.contract import RisingConstraints
 from frontal_biped.virtual_constraints.phase import StepPhase
 from frontal_biped.zero_dynamics.energy import PhaseEnergy
 from frontal_biped.zero_dynamics.half_steps import falling_energy, rising_energy
@@ -161,11 +162,11 @@ def _tipping(
 
 
 def _fall(
-    biped: FrontalBiped, transitions: ReanchoringTransitions, rising: object, reversal: float
+    biped: FrontalBiped, transitions: ReanchoringTransitions, rising: RisingConstraints, reversal: float
 ) -> tuple[FloatArray, FloatArray] | None:
     """Beta and zeta of the falling phase from a reversal; None where it does not reach its end."""
     try:
-        falling: PhaseEnergy = falling_energy(biped, transitions.falling(rising, reversal), reversal)  # type: ignore[arg-type]
+        falling: PhaseEnergy = falling_energy(biped, transitions.falling(rising, reversal), reversal)
     except ReversalError:
         return None
     if not falling.complete:

@@ -1,4 +1,4 @@
-"""A gait: two phases, a step width, and the numbers of its periodic orbit. Read and written as JSON."""
+"""A gait: two phases, a step width, and the numbers of its periodic orbit."""
 
 import math
 from collections.abc import Mapping

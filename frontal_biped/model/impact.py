@@ -52,6 +52,11 @@ class Landing(NamedTuple):
         return self.dq_plus[0]
 
     @property
+    def slope(self) -> FloatArray:
+        """(3,) dq_b/dbeta after it [-]."""
+        return self.dq_plus[1:] / self.dq_plus[0]
+
+    @property
     def center_of_pressure(self) -> float:
         """Where the impulse acts on the landing sole, from its ankle, positive in the old h direction [m]."""
         return float(self.impulse[2] / self.impulse[1])

@@ -100,7 +100,8 @@ class Robot:
     """A robot in space: every joint of its URDF on a free-flying root, upright at the posture of its description.
 
     It holds no work data, so threads may share it, and it pickles by content: a robot of a changed description is
-    still that robot in another process, whatever has become of the files.
+    still that robot in another process, whatever has become of the files; only meshes are read when soles are first
+    asked for.
 
     Attributes:
         description: what the description file says, or that changed since.
@@ -125,8 +126,9 @@ class Robot:
         object.__setattr__(self, "posture", _read_only(posture_configuration(model, self.description)))
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle by content, never by path."""
-        return Robot, (self.description, self.urdf_text)
+        """Pickle by content, never by path; soles that were measured travel along, for the meshes may not."""
+        measured = {"soles": self.soles} if "soles" in self.__dict__ else {}
+        return Robot, (self.description, self.urdf_text), measured
 
     @classmethod
     def of(cls, description: RobotDescription) -> "Robot":

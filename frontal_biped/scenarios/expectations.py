@@ -37,10 +37,9 @@ def measures(prepared: Prepared, run: Trajectory) -> dict[str, float]:
     """
     biped, orbit = prepared.biped, prepared.gait.orbit
     outer, inner = biped.sole
-    states = run.post_impact_states()
     impacts = run.event_t[run.events("IMPACT")]
     durations = np.diff(impacts)
-    speed = states[:, 4] / orbit.beta_dot_after_impact - 1.0
+    speed = run.post_impact_speeds / orbit.beta_dot_after_impact - 1.0
     limits = np.where(np.isfinite(biped.max_torque), biped.max_torque, np.inf)
     loaded = run.force[:, 1] > 0.0
     reported = run.settings.get("controller", {})

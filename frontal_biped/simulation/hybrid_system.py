@@ -15,6 +15,9 @@ from frontal_biped.model.impact import Landing, impact
 FLAT_LANDING = 0.02
 """Largest rotation of the swing foot [rad] that settles flat at impact; a steeper one is a stumble."""
 
+LOWEST = 0.6
+"""Height of the centre of mass, relative to upright, below which the robot has fallen."""
+
 GRAZE = 1e-6
 """How far [m] the swing sole may dip below the ground while rising before that counts as touching it; rounding at
 lift-off is far below."""
@@ -86,7 +89,7 @@ def walking_guards(biped: FrontalBiped, leaving: float = 0.0, landing: float = 0
         return float(com(q)[0]) - outer
 
     def height(q: FloatArray, _: FloatArray) -> float:
-        return float(com(q)[1]) - 0.6 * upright_height
+        return float(com(q)[1]) - LOWEST * upright_height
 
     fallen = (
         Guard(EventKind.TIPPED_OUTWARDS, inside_outer_edge, -1),

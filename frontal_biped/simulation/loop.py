@@ -1,24 +1,21 @@
 """The loop of every sampled walk, whatever moves the robot and whatever decides: decide, send, move.
 
 An `Engine` moves the robot: ours (`rigid`), or MuJoCo. A `Pilot` decides: a walker that is shown sensor readings only
-(`sensed`), or a controller that is told state and events (`state_fed`). Control in continuous time (`continuous`) has
-no periods and no loop; it is what sampled walks are compared with.
+(`sensed`), or a controller that is told state and events (`state_fed`). Control in continuous time
+(`event_driven`) has no periods and no loop; it is what sampled walks are compared with.
 """
 
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.interface import Reading
 from frontal_biped.model.stance_map import Stance
-from frontal_biped.model.state import State
+from frontal_biped.simulation.engine import AT_ONCE, Engine, Move
 from frontal_biped.simulation.hybrid_system import EventKind
 from frontal_biped.simulation.motors import Motors
 from frontal_biped.simulation.pushes import PushForces
 from frontal_biped.simulation.recorder import Recorder
-from frontal_biped.simulation.rigid import AT_ONCE, Move
 from frontal_biped.simulation.settings import SimulationSettings
-from frontal_biped.simulation.stance_motion import Reaction
 from frontal_biped.simulation.trajectory import COMPLETED
 from frontal_biped.virtual_constraints.phase import StepPhase
 
@@ -26,35 +23,6 @@ PHASE_TIME_LIMIT = 5.0
 """A phase that lasts longer is not walking [s]."""
 
 TIMED_OUT = f"a phase lasted longer than {PHASE_TIME_LIMIT:g} s"
-
-
-class Engine(Protocol):
-    """What moves the robot."""
-
-    @property
-    def name(self) -> str:
-        """For the record."""
-
-    def place(self, stance: Stance, state: State) -> None:
-        """Stand on a foot right after an impact; the feet are level about y = 0."""
-
-    def read(self, t: float) -> Reading:
-        """True values of everything a sensor measures, at time t [s]."""
-
-    def stance_state(self, stance: Stance) -> State:
-        """The state for a foot taken as the stance foot."""
-
-    def reaction(self, stance: Stance) -> Reaction:
-        """Ground reaction on a foot."""
-
-    def foot_position(self, stance: Stance) -> tuple[float, float]:
-        """y of a foot's ankle [m] and the foot's rotation about +X [rad]."""
-
-    def raise_ground(self, stance: Stance, height: float) -> None:
-        """Height of the ground on which a foot in the air will land [m]."""
-
-    def advance(self, t: float, end: float, tau: FloatArray, pushes: PushForces) -> Move:
-        """Under held joint torques (4,) [N m] from t to ``end`` [s], or to the first event the engine tells of."""
 
 
 class Decision(NamedTuple):
@@ -74,7 +42,7 @@ class Pilot(Protocol):
 
     @property
     def since(self) -> float:
-        """When the present phase began [s]."""
+        """Since when nothing has happened that walking must lead to, a phase or a step [s]."""
 
     def decide(self, t: float) -> Decision | None:
         """Torques from time t [s] on; None where the walk is complete."""

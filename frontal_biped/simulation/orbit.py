@@ -6,7 +6,7 @@ from scipy.interpolate import CubicSpline
 from frontal_biped.arrays import FloatArray
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.simulation.trajectory import COMPLETED, Trajectory
 from frontal_biped.virtual_constraints.phase import Phase, StepPhase
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit, resample
 from frontal_biped.zero_dynamics.restricted import F_H, F_V, TORQUES
@@ -54,7 +54,7 @@ def orbit_trajectory(biped: FrontalBiped, gait: Gait, steps: int = 4, samples: i
         event_step=np.array([-1.0, *(float(k) for k in range(steps) for _ in range(2))]),
         event_state=np.array([np.concatenate([q, dq]), reversed_state] * steps + [np.concatenate([q, dq])]),
         robot=biped.name,
-        outcome="completed",
+        outcome=COMPLETED,
         steps_completed=steps,
         gait={"specification": gait.specification.as_dict()},
         settings={"source": ORBIT},

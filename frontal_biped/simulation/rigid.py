@@ -1,8 +1,5 @@
 """The hybrid system as an engine: rigid impacts, located events, one foot on the ground ([O] eq. hybridsystem)."""
 
-from collections.abc import Sequence
-from typing import NamedTuple
-
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
@@ -11,6 +8,7 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.perturbation import ModelErrors, Plant
 from frontal_biped.model.stance_map import Stance, relabel
 from frontal_biped.model.state import State
+from frontal_biped.simulation.engine import AT_ONCE, Move, first_foothold
 from frontal_biped.simulation.hybrid_system import EventKind, Guard, land, walking_guards
 from frontal_biped.simulation.pushes import PushForces
 from frontal_biped.simulation.settings import SimulationSettings
@@ -20,27 +18,8 @@ from frontal_biped.virtual_constraints.phase import StepPhase
 MAX_STEP = 1e-3
 """Longest Runge-Kutta step under held torques [s]: at order 4 it is exact to rounding."""
 
-AT_ONCE = 1e-12
-"""Time before the end of a control period that is not worth a step [s]."""
-
 MOST_TURNS = 20
 """Times a push may turn the robot outwards again within one step."""
-
-
-class Move(NamedTuple):
-    """What happened until the end of a control period, or until the first event in it.
-
-    Attributes:
-        t: when it ends [s].
-        steps: of the integrator: duration [s], time reached [s] and state there; at an event, before it.
-        event: what ended it, if anything did.
-        fell: how the robot fell, if it did.
-    """
-
-    t: float
-    steps: Sequence[tuple[float, float, State]] = ()
-    event: EventKind | None = None
-    fell: EventKind | str | None = None
 
 
 class RigidEngine:
@@ -72,7 +51,7 @@ class RigidEngine:
         """Stand on a foot right after an impact; the feet are level about y = 0, as in a walk on the spot."""
         self.stance, self.motion, self.phase = stance, self._motion[stance], StepPhase.RISING
         self.state = State(state.q.copy(), state.dq.copy())
-        self._foot_y = {stance: 0.5 * stance.sign * self._width()}
+        self._foot_y = {stance: first_foothold(self.plant.on(stance), stance, state.q)}
         self._turns = 0
         self._guard()
 

@@ -5,7 +5,7 @@ q, dq, forces and FRI of the recording are the engine's.
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, is_dataclass
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 
@@ -15,12 +15,13 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
+from frontal_biped.simulation.engine import Engine, Move
 from frontal_biped.simulation.hybrid_system import EventKind
-from frontal_biped.simulation.loop import Decision, Engine, Steps, run_sampled
+from frontal_biped.simulation.loop import Decision, Steps, run_sampled
 from frontal_biped.simulation.motors import Motors
 from frontal_biped.simulation.pushes import PushForces
 from frontal_biped.simulation.recorder import Recorder
-from frontal_biped.simulation.rigid import Move, RigidEngine
+from frontal_biped.simulation.rigid import RigidEngine
 from frontal_biped.simulation.sensors import Sensors
 from frontal_biped.simulation.settings import PERIOD, SimulationSettings
 from frontal_biped.simulation.trajectory import Trajectory
@@ -98,8 +99,8 @@ class Sensed:
 
     @property
     def since(self) -> float:
-        """When the present phase began, as the walker believes [s]."""
-        return self._steps.since
+        """When the present step began, as the walker believes [s]: one that rocks on the spot is not walking either."""
+        return self._began
 
     def decide(self, t: float) -> Decision | None:
         """Show the walker what the sensors tell; None after the last landing that it noticed."""
@@ -205,17 +206,28 @@ class Sensed:
         )
 
 
+class WalkOptions(TypedDict, total=False):
+    """What every engine's walk may be told besides.
+
+    Attributes:
+        stance: the first stance foot; default: the left one.
+        on_step: called with the number of completed steps.
+        gait: content of the gait file, kept with the run.
+    """
+
+    stance: Stance
+    on_step: Callable[[int], None] | None
+    gait: Mapping[str, Any] | None
+
+
 def walk_in(
     engine: Engine,
     biped: FrontalBiped,
     walker: Tickable,
     start: State,
     settings: SimulationSettings,
-    *,
     errors: ModelErrors | None = None,
-    stance: Stance = Stance.LEFT,
-    on_step: Callable[[int], None] | None = None,
-    gait: Mapping[str, Any] | None = None,
+    **options: Unpack[WalkOptions],
 ) -> Trajectory:
     """Walk from a state right after an impact, in any engine.
 
@@ -226,17 +238,16 @@ def walk_in(
         start: state after the impact.
         settings: steps, period, recording and disturbances.
         errors: of the engine's robot, for the record.
-        stance: the first stance foot.
-        on_step: called with the number of completed steps.
-        gait: content of the gait file, kept with the run.
+        options: first foot, progress, gait: see `WalkOptions`.
 
     Returns:
         The run; a fall is an outcome, not an error. ``settings["measured"]`` holds the means and the largest values
         over the steps of what `Measured` lists.
     """
     period = settings.period or PERIOD
+    stance = options.get("stance", Stance.LEFT)
     recorder, pushes = Recorder(), PushForces(settings.disturbances.pushes)
-    steps = Steps(engine, settings, pushes, recorder, on_step)
+    steps = Steps(engine, settings, pushes, recorder, options.get("on_step"))
     engine.place(stance, start)
     walker.reset(stance, *start)
     steps.start(stance)
@@ -252,7 +263,7 @@ def walk_in(
         "errors": None if errors is None else errors.as_dict(),
         **pilot.settings(),
     }
-    return recorder.finish(biped.name, outcome, steps.count, gait or {}, stored)
+    return recorder.finish(biped.name, outcome, steps.count, options.get("gait") or {}, stored)
 
 
 def walk_sensed(
@@ -262,8 +273,12 @@ def walk_sensed(
     settings: SimulationSettings | None = None,
     *,
     errors: ModelErrors | None = None,
-    **others: Any,
+    **options: Unpack[WalkOptions],
 ) -> Trajectory:
-    """`walk_in` our own engine: rigid impacts, of which the walker learns from the contact flags at its next tick."""
+    """`walk_in` our own engine: rigid impacts, of which the walker learns from the contact flags at its next tick.
+
+    A foot that is below the ground at the reversal has landed early, and more than `rigid.MOST_TURNS` turns outwards
+    within a step are a fall, whoever controls the robot.
+    """
     chosen = settings or SimulationSettings()
-    return walk_in(RigidEngine(biped, errors, chosen), biped, walker, start, chosen, errors=errors, **others)
+    return walk_in(RigidEngine(biped, errors, chosen), biped, walker, start, chosen, errors, **options)

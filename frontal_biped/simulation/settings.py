@@ -1,4 +1,4 @@
-"""What a simulation is told: the controller it asks, and how it runs."""
+"""What a simulation is told: how it runs."""
 
 from dataclasses import dataclass, field
 
@@ -24,7 +24,7 @@ class SimulationSettings:
         flat_landing: rotation of the swing foot up to which it settles flat at impact [rad]; steeper is a stumble.
 
     Raises:
-        SimulationError: disturbances under continuous control.
+        SimulationError: no steps, or disturbances under continuous control.
     """
 
     steps: int = 20
@@ -36,5 +36,7 @@ class SimulationSettings:
     flat_landing: float = FLAT_LANDING
 
     def __post_init__(self) -> None:
+        if self.steps < 1:
+            raise SimulationError(f"steps = {self.steps!r}: a walk has at least 1")
         if self.disturbances.any and self.period is None:
             raise SimulationError("disturbances act on sampled control; give a control period")

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.interface import Controller
 from frontal_biped.model.state import State
+from frontal_biped.simulation.engine import Move
 from frontal_biped.simulation.hybrid_system import EventKind
 from frontal_biped.simulation.loop import Decision, Steps
 from frontal_biped.simulation.motors import Motors
 from frontal_biped.simulation.pushes import PushForces
 from frontal_biped.simulation.recorder import Recorder
-from frontal_biped.simulation.rigid import MAX_STEP, Move, RigidEngine
+from frontal_biped.simulation.rigid import MAX_STEP, RigidEngine
 from frontal_biped.simulation.sensors import NoisyEncoders, Sensors
 from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.simulation.stance_motion import StanceMotion

@@ -1,4 +1,4 @@
-"""Gait, controller and simulator together: walk a gait in the full model, and measure how it takes errors."""
+"""Gait, controller and simulator together: walk a gait in the full model."""
 
 from collections.abc import Callable
 from dataclasses import asdict, replace

@@ -17,7 +17,7 @@ from frontal_biped.model.chain import UPRIGHT
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.urdf.shapes import IntArray
 from frontal_biped.simulation.pushes import Push
-from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.simulation.trajectory import COMPLETED, Trajectory
 from frontal_biped.viewer.markers import COM, CONTACT, draw_markers
 from frontal_biped.viewer.page import recording
 from frontal_biped.viewer.scene import FIRST, Actor, animate, draw_scene, frontal_camera
@@ -256,7 +256,7 @@ def _upright(biped: FrontalBiped) -> Trajectory:
         event_step=np.zeros(0),
         event_state=np.zeros((0, 8)),
         robot=biped.name,
-        outcome="completed",
+        outcome=COMPLETED,
         steps_completed=0,
     )
 

@@ -5,7 +5,6 @@ from frontal_biped.virtual_constraints.invariance import (
     FreeParameters,
     complete,
     double_support_pose,
-    impact_slope,
     invariance_residuals,
 )
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase, StepPhase, constrained_motion, phase_basis
@@ -20,7 +19,6 @@ __all__ = [
     "complete",
     "constrained_motion",
     "double_support_pose",
-    "impact_slope",
     "invariance_residuals",
     "phase_basis",
 ]

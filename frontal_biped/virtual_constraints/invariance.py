@@ -21,30 +21,6 @@ from frontal_biped.model.stance_map import relabel
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase, PhaseBasis, constrained_motion
 
 
-class ImpactSlope(NamedTuple):
-    """The impact on Z.
-
-    Attributes:
-        speed_ratio: dbeta_r+ / dbeta_f- [-], negative.
-        slope: (3,) dq_b/dbeta after the impact, relabelled [-].
-    """
-
-    speed_ratio: float
-    slope: FloatArray
-
-
-def impact_slope(biped: FrontalBiped, q_minus: FloatArray, dq_dbeta_minus: FloatArray) -> ImpactSlope:
-    """Ratio of the speeds across an impact on Z, and the slope behind it.
-
-    Args:
-        biped: the robot.
-        q_minus: (4,) pose at impact [rad].
-        dq_dbeta_minus: (4,) dq/dbeta just before, first entry 1 [-].
-    """
-    dq_plus = impact(biped, q_minus, dq_dbeta_minus).dq_plus
-    return ImpactSlope(float(dq_plus[0]), dq_plus[1:] / dq_plus[0])
-
-
 def double_support_pose(biped: FrontalBiped, beta: FloatArray | float, step_width: FloatArray | float) -> FloatArray:
     """(4,) pose with both feet flat on the ground, ankles ``step_width`` apart, stance ankle at beta.
 
@@ -178,7 +154,7 @@ def complete(biped: FrontalBiped, free: FreeParameters, begin: StepBegin | None 
     """
     q_minus = double_support_pose(biped, free.beta_impact, free.step_width)
     if begin is None:
-        begin = StepBegin(q_minus, impact_slope(biped, q_minus, final_falling_slope(free, q_minus)).slope)
+        begin = StepBegin(q_minus, impact(biped, q_minus, final_falling_slope(free, q_minus)).slope)
     rising = rising_parameters(free, *begin)
     falling = falling_parameters(free, q_minus, rising)
     return _phase(rising), _phase(falling)
@@ -203,7 +179,6 @@ def invariance_residuals(biped: FrontalBiped, rising: Phase, falling: Phase, ste
     )
     q_minus = end.q[1]
     landing = impact(biped, q_minus, end.dq[1])
-    slope_plus = landing.dq_plus / landing.dq_plus[0]
     inner, outer = biped.swing_sole(q_minus)
     offset = np.array([biped.chain.sole_inner, -biped.chain.sole_outer])
     feet = np.array([*(np.array([inner[0], outer[0]]) + offset - step_width), inner[1], outer[1]])
@@ -214,7 +189,7 @@ def invariance_residuals(biped: FrontalBiped, rising: Phase, falling: Phase, ste
     return {
         "final_pose": float(np.max(np.abs(feet))),
         "impact_pose": float(np.max(np.abs(landing.q_plus - start.q[0]))),
-        "impact_slope": relative(start.dq[0], slope_plus),
+        "impact_slope": relative(start.dq[0, 1:], landing.slope),
         "reversal_pose": float(np.max(np.abs(start.q[1] - end.q[0]))),
         "reversal_slope": relative(end.dq[0], start.dq[1]),
         "reversal_fri": float(abs(start.p_fri[1] - end.p_fri[0])),

@@ -64,8 +64,7 @@ def land_on_constraints(biped: FrontalBiped, falling: PhaseEnergy) -> Constraine
         ReversalError: the robot stops before the impact.
     """
     landing, dbeta = landing_at_end(biped, falling), speed_at_end(falling)
-    after = landing.dq_plus
-    return ConstrainedState(landing.q_plus.copy(), after[1:] / after[0], float(after[0] * dbeta))
+    return ConstrainedState(landing.q_plus.copy(), landing.slope, float(landing.speed_ratio * dbeta))
 
 
 def landing_at_end(biped: FrontalBiped, falling: PhaseEnergy) -> Landing:
@@ -94,7 +93,7 @@ def stretch_to_reversal(biped: FrontalBiped, phase: RisingT, dbeta: float) -> Ri
     """The phase stretched so that a landing too fast for it reverses exactly at its end.
 
     The same poses in the same order, the last one reached where the energy is spent: the self-consistent reversal of
-    `reversal_problem`, solved for a given speed. The phase itself where it is not too fast, or nothing stops the robot.
+    `reversal.problem`, solved for a given speed. The phase itself where it is not too fast, or nothing stops the robot.
 
     Args:
         biped: the robot.

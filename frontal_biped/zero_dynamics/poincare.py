@@ -19,6 +19,7 @@ import numpy as np
 
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.impact import Landing, impact
+from frontal_biped.model.stance_map import relabel
 from frontal_biped.virtual_constraints.phase import Phase, StepPhase
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit, phase_orbit
 
@@ -102,7 +103,7 @@ class HybridZeroDynamics:
         falling = self.step.falling
         ankle = falling.restricted.I_ankle(self.biped.ankle_height)[-1]
         dq_plus = self.step.landing.dq_plus
-        q_plus = falling.motion.q[-1][::-1]
+        q_plus = relabel(falling.motion.q[-1])
         momentum = self.biped.momentum_map(q_plus)[:3] @ dq_plus
         return float((momentum[2] + self.biped.ankle_height * momentum[0]) / ankle)
 

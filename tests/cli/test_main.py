@@ -467,3 +467,12 @@ def test_posture_of_a_packaged_robot_as_json(capsys):
     table = json.loads(capsys.readouterr().out)
     assert table["undecided"] == []
     assert "waist_pitch_joint" in table["description"]
+
+
+def test_help_names_every_stabiliser(capsys):
+    from frontal_biped.control import STABILISERS
+
+    assert main(["simulate", "--help"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    listed = text[text.index("--stabiliser NAME ") :].removeprefix("--stabiliser NAME ").split(";")[0]
+    assert listed.replace(" or ", ", ").split(", ") == list(STABILISERS)

@@ -277,6 +277,20 @@ class TestSoles:
 class TestPickles:
     """By content: what became of the files does not matter."""
 
+    def test_measured_soles_travel_along(self, monkeypatch):
+        """The meshes they were measured on may not be there."""
+        robot = load_whole_robot("talos_full")
+        measured = robot.soles
+        packed = pickle.dumps(robot)
+
+        def gone(*_):
+            raise AssertionError("measured again")
+
+        monkeypatch.setattr("frontal_biped.model.robot.measure_sole", gone)
+        twin = pickle.loads(packed)
+        assert [(s.front, s.back, s.width) for s in twin.soles] == [(s.front, s.back, s.width) for s in measured]
+        assert twin.soles.left.placement == measured.left.placement
+
     def test_a_changed_description_survives_a_change_of_its_files_and_their_loss(self, model_files):
         urdf, path = model_files
         loaded = load_whole_robot(path)

@@ -6,16 +6,20 @@ import numpy as np
 import pytest
 
 from frontal_biped.control.controller import QpController
-from frontal_biped.control.interface import Contract
+from frontal_biped.control.interface import Contract, PhaseEvent, WalkerCommand
 from frontal_biped.control.walker.walker import Walker
+from frontal_biped.exceptions import SimulationError
 from frontal_biped.model.stance_map import Stance, relabel
 from frontal_biped.simulation import Disturbances, SimulationSettings, simulate
+from frontal_biped.simulation.engine import Move
 from frontal_biped.simulation.hybrid_system import EventKind
 from frontal_biped.simulation.loop import PHASE_TIME_LIMIT, TIMED_OUT, Decision, run_sampled
 from frontal_biped.simulation.motors import Motors
 from frontal_biped.simulation.pushes import PushForces
-from frontal_biped.simulation.rigid import Move
+from frontal_biped.simulation.rigid import MOST_TURNS, RigidEngine
+from frontal_biped.simulation.sensed import walk_in
 from frontal_biped.simulation.trajectory import COMPLETED
+from frontal_biped.virtual_constraints.phase import StepPhase
 
 PERIOD = 1e-3
 STRONG = np.full(4, 1e3)  # motors that clip nothing [N m]
@@ -69,6 +73,53 @@ def test_a_phase_that_never_ends_is_no_walk():
     clockwork = Clockwork()
     assert walk(clockwork) == TIMED_OUT
     assert clockwork.asked[-1] == pytest.approx(PHASE_TIME_LIMIT, abs=2 * PERIOD)
+
+
+class Rocking:
+    """A walker that believes to reverse and to be turned outwards for ever, and never to land."""
+
+    def reset(self, stance, q, dq):
+        self.ticks, self.state = 0, (q, dq)
+
+    def tick(self, reading):
+        self.ticks += 1
+        event = {0: PhaseEvent.REVERSAL, 250: PhaseEvent.TURNED_OUTWARDS}.get(self.ticks % 500)
+        none = np.zeros(4)
+        return WalkerCommand(none, StepPhase.RISING, Stance.LEFT, none, *self.state, np.zeros(3), 0.0, True, event)
+
+
+class Still(RigidEngine):
+    """An engine in which nothing moves."""
+
+    def advance(self, t, end, tau, pushes):
+        return Move(end)
+
+
+def test_rocking_on_the_spot_is_no_walk(biped, robust_gait):
+    settings = SimulationSettings(steps=1, period=PERIOD, record_rate=10.0)
+    run = walk_in(Still(biped, None, settings), biped, Rocking(), robust_gait.state_after_impact(), settings)
+    assert run.outcome == TIMED_OUT
+    assert run.event_t[-1] == pytest.approx(PHASE_TIME_LIMIT, abs=0.3)
+    assert run.event_kind.count("TURNED_OUTWARDS") > 5
+
+
+def test_a_robot_that_turns_outwards_again_and_again_falls(biped, robust_gait):
+    engine = RigidEngine(biped, None, SimulationSettings())
+    engine.place(Stance.LEFT, robust_gait.state_after_impact())
+    assert [engine.cross(EventKind.TURNED_OUTWARDS) for _ in range(MOST_TURNS)] == [None] * MOST_TURNS
+    assert engine.cross(EventKind.TURNED_OUTWARDS) is EventKind.TURNED_OUTWARDS
+
+
+def test_a_foot_below_the_ground_at_the_reversal_has_landed_early(biped, robust_gait):
+    engine = RigidEngine(biped, None, SimulationSettings())
+    engine.place(Stance.LEFT, robust_gait.state_after_impact())
+    engine.raise_ground(Stance.RIGHT, 0.01)  # the swing foot is still on the old ground
+    assert engine.cross(EventKind.REVERSAL) is EventKind.EARLY_LANDING
+
+
+def test_a_walk_has_a_step():
+    with pytest.raises(SimulationError, match="steps = 0"):
+        SimulationSettings(steps=0)
 
 
 def test_noise_follows_the_chain_it_is_drawn_along():

@@ -12,7 +12,6 @@ from frontal_biped.virtual_constraints import (
     FreeParameters,
     complete,
     double_support_pose,
-    impact_slope,
     invariance_residuals,
 )
 
@@ -82,7 +81,7 @@ def completed(robot, free):
     q_minus = double_support_pose(robot, free.beta_impact, free.step_width)
     rate = 5.0 / (free.beta_impact - free.beta_reversal)
     slope = np.concatenate([[1.0], rate * (q_minus[1:] - free.falling_columns[:, -1])])
-    assume(abs(impact_slope(robot, q_minus, slope).speed_ratio) > 0.05)
+    assume(abs(impact(robot, q_minus, slope).speed_ratio) > 0.05)
     return complete(robot, free)
 
 

@@ -17,6 +17,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import brentq
 
+from frontal_biped.arrays import FloatArray
 from frontal_biped.control.stabilisers.ankle_law import AnkleLaw
 from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
@@ -129,7 +130,7 @@ class StepLaw:
         pose = self.final_pose(width)
         return self._reanchored.falling_to(rising, reversal, float(pose[0]), pose[1:])
 
-    def final_pose(self, width: float) -> "np.ndarray":
+    def final_pose(self, width: float) -> FloatArray:
         """(4,) pose of a landing of the given width, from which the next step starts at the gait's beta_r+ [rad]."""
         planned = self.gait.falling
         beta, swing_ankle = planned.beta_end, float(planned.joint_bezier[2, -1])

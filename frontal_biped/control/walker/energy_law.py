@@ -75,7 +75,7 @@ class EnergyLaw:
             before, after = (energy[1] - energy[0]) / (beta[1] - beta[0]), float(orbit.ddbeta[np.argmax(orbit.beta)])
             self._beta[phase] = np.concatenate([[beta[0] - reach], beta, [beta[-1] + reach]])
             self._energy[phase] = np.concatenate([[energy[0] - reach * before], energy, [energy[-1] + reach * after]])
-            self._length[phase] = settings.length * reach * (1.0 if phase is StepPhase.RISING else -1.0)
+            self._length[phase] = settings.length * reach * phase.sign
         self.reset(Stance.LEFT)
 
     def reset(self, stance: Stance) -> None:

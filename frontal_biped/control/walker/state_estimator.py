@@ -129,10 +129,6 @@ class StateEstimator:
             q, dq = self._advanced(q, dq, u)
         return q, dq
 
-    def error_torques(self, q: FloatArray) -> FloatArray:
-        """(4,) torques that the acceleration error amounts to, D a [N m]."""
-        return pin.crba(self._model, self._data, q) @ self.error
-
     def _advanced(self, q: FloatArray, dq: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
         h, model, data = self.period, self._model, self._data
         ddq = pin.aba(model, data, q, dq, u) + self.error

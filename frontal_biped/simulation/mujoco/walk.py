@@ -5,7 +5,7 @@ like any other, so page, figures and expectations work on it.
 """
 
 from dataclasses import replace
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 
@@ -16,17 +16,14 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
-from frontal_biped.simulation.hybrid_system import EventKind
+from frontal_biped.simulation.engine import Move, first_foothold
+from frontal_biped.simulation.hybrid_system import LOWEST, EventKind
 from frontal_biped.simulation.mujoco.model import TIMESTEP, ContactSettings
 from frontal_biped.simulation.mujoco.robot import MujocoRobot
 from frontal_biped.simulation.pushes import PushForces
-from frontal_biped.simulation.rigid import Move
-from frontal_biped.simulation.sensed import walk_in
+from frontal_biped.simulation.sensed import WalkOptions, walk_in
 from frontal_biped.simulation.settings import PERIOD, SimulationSettings
 from frontal_biped.simulation.trajectory import Trajectory
-
-LOWEST = 0.6
-"""Height of the centre of mass, relative to upright, below which the robot has fallen."""
 
 TIPPED = 0.5
 """Rotation of a loaded foot beyond which the robot has fallen over it [rad]."""
@@ -45,7 +42,7 @@ def walk_in_mujoco(
     *,
     errors: ModelErrors | None = None,
     contact: ContactSettings | None = None,
-    **others: Any,
+    **options: Unpack[WalkOptions],
 ) -> Trajectory:
     """`walk_in` MuJoCo, whose model is built from the robot's URDF and description.
 
@@ -56,7 +53,7 @@ def walk_in_mujoco(
         settings: steps, period, recording and disturbances.
         errors: of MuJoCo's bodies.
         contact: contact and physics step; the disturbances' friction takes precedence.
-        others: of `walk_in`.
+        options: first foot, progress, gait: see `WalkOptions`.
 
     Returns:
         The run; a fall is an outcome, not an error.
@@ -71,7 +68,7 @@ def walk_in_mujoco(
     if chosen.disturbances.friction is not None:
         used = used._replace(friction=chosen.disturbances.friction)
     engine = MujocoEngine(biped, errors, used, period)
-    run = walk_in(engine, biped, walker, start, chosen, errors=errors, **others)
+    run = walk_in(engine, biped, walker, start, chosen, errors, **options)
     return replace(run, settings={**run.settings, "contact": used._asdict()})
 
 
@@ -95,7 +92,7 @@ class MujocoEngine(MujocoRobot):
 
     def place(self, stance: Stance, state: State) -> None:
         """Stand on a foot right after an impact; the feet are level about y = 0."""
-        self.stand(stance, state, 0.5 * stance.sign * float(self.biped.joint_positions(state.q)[-1, 0]))
+        self.stand(stance, state, first_foothold(self.biped, stance, state.q))
 
     def read(self, t: float) -> Reading:
         """True values of everything a sensor measures."""

@@ -8,7 +8,7 @@ no reversal point. At fixed b the rising phase is one curve for every reversal p
 zero of I_P: the region is the interval around the planned reversal. With invariance imposed every reversal point has
 a curve of its own, and the region may be several intervals. The certificate names it; all its verdicts are about it.
 
-**Counting.** All zeros of E(beta; b) and of S(beta) = E(beta; b(beta)) (see `reversal_problem`) come from piecewise
+**Counting.** All zeros of E(beta; b) and of S(beta) = E(beta; b(beta)) (see `reversal.problem`) come from piecewise
 Chebyshev interpolation with a measured bound (see `chebyshev`), widened by the measured error of the quadrature.
 
 **Condition (a).** *At fixed b, if kappa_2/kappa_1 < 0 on an interval above beta_r+, a step of given post-impact energy

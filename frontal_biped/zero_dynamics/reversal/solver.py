@@ -5,7 +5,7 @@ The paper's algorithm is Phi: guess -> the zero of E(.; b(guess)). By the implic
 .. math:: \Phi' = 1 - S' / E_\beta, \qquad E_\beta = e^{-\int 2\kappa_3/\kappa_1} \, |\kappa_2/\kappa_1| \, (m r - 1),
 
 m the multiplier, r the ratio of the drives kappa_2/kappa_1 of both phases, 1 at a gait (proof in
-`reversal_certificate`). It converges locally iff 0 < S'/E_beta < 2, and then linearly; Newton's method on S does not
+`reversal.certificate`). It converges locally iff 0 < S'/E_beta < 2, and then linearly; Newton's method on S does not
 care.
 """
 
@@ -147,7 +147,7 @@ def solve_reversal(problem: ReversalProblem, guess: float | None = None, *, tole
 
     Returns:
         The zero it found. ``converged`` is False only if neither Newton's method nor a scan of the whole bracket saw
-        one; `reversal_certificate` proves absence.
+        one; `reversal.certificate` proves absence.
     """
     start = problem.planned if guess is None else guess
     history, count = [start], 0

@@ -1,4 +1,4 @@
-"""Every zero of Z on the regular region of the bracket; what that region is: `reversal_certificate`."""
+"""Every zero of Z on the regular region of the bracket; what that region is: `reversal.certificate`."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
