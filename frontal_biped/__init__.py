@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from frontal_biped.simulation.trajectory import Trajectory, load_trajectory, save_trajectory
     from frontal_biped.simulation.walking import simulate
 
+__docformat__ = "google"
+
 __all__ = [
     "DesignResult",
     "FrontalBiped",

@@ -7,6 +7,7 @@ there is. Here every module is named, so that rooms and modules have their pages
 """
 
 import argparse
+import os
 import warnings
 from pathlib import Path
 
@@ -32,7 +33,9 @@ def page_names() -> list[str]:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, metavar="DIR")
-    folder = parser.parse_args().folder
+    folder = parser.parse_args().folder.resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    os.chdir(folder)  # where the clone lies pdoc would not know whether its folder or the installed package is meant
     warnings.simplefilter("error")
     warnings.simplefilter("ignore", DeprecationWarning)  # of the packages that ours imports
     pdoc.render.configure(docformat="google")

@@ -66,6 +66,13 @@ def whole_number(text: str) -> int:
     return int(text)
 
 
+def port(text: str) -> int:
+    """A port, 1 to 65535; 0: the first free one."""
+    if not (text.isdecimal() and int(text) <= 65535):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a port from 1 to 65535, or 0 for the first free one")
+    return int(text)
+
+
 def finite_float(text: str) -> float:
     """A number, neither infinite nor NaN."""
     try:

@@ -4,7 +4,7 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
-from typing import Protocol
+from typing import NoReturn, Protocol
 
 from frontal_biped.cli import analyze, demo, design, export, library, plot, robots, simulate, studio, trial, view
 from frontal_biped.cli.exit_status import TASK_FAILED, USAGE
@@ -72,6 +72,14 @@ def _complain(message: str) -> int:
     return USAGE
 
 
+class _Parser(argparse.ArgumentParser):
+    """A parser whose complaint is one line; argparse would print the usage before it, up to eight lines."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong and where the arguments are listed."""
+        self.exit(USAGE, f"{self.prog}: error: {message}; see `{self.prog} --help`\n")
+
+
 class _Version(argparse.Action):
     """`--version` with the versions of the solvers, looked up only when asked for."""
 
@@ -85,13 +93,13 @@ class _Version(argparse.Action):
 
 def make_parser() -> argparse.ArgumentParser:
     """The parser of every command."""
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="frontal-biped",
         description=f"Frontal-plane bipedal hybrid zero dynamics, version {__version__}.",
         epilog=f"example: {demo.EXAMPLE}",
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print versions and exit")
-    common = argparse.ArgumentParser(add_help=False)
+    common = _Parser(add_help=False)
     common.add_argument("--debug", action="store_true", help="show the traceback of an error")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND")
     for command in COMMANDS:

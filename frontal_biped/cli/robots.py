@@ -98,7 +98,8 @@ def _propose(arguments: argparse.Namespace) -> int:
         if not packaged and output.resolve().parent != folder:
             raise RobotError(f"{output}: the description names its URDF from {folder}; write it there")
         write_text(output, proposal.text)
-        shown = f"written to {output}; design a gait with --robot {output}"
+        then = "fill in what was not decided, then design" if proposal.undecided else "design"
+        shown = f"written to {output}; {then} a gait with --robot {output}"
     table = {
         "description": proposal.text,
         "undecided": list(proposal.undecided),

@@ -2,7 +2,7 @@
 
 import argparse
 
-from frontal_biped.cli.arguments import add_no_open, add_robot, positive_int
+from frontal_biped.cli.arguments import add_no_open, add_robot, port
 from frontal_biped.cli.exit_status import SUCCESS
 
 SUMMARY = "Set the specification with sliders in the browser, watch the gait designed anew, push the robot."
@@ -13,7 +13,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The robot, and where to serve."""
     add_robot(parser, "frontal_biped")
     parser.add_argument(
-        "--port", metavar="P", type=positive_int, default=0, help="port; default: the first free one from 8080 on"
+        "--port", metavar="P", type=port, default=0, help="port; default: the first free one from 8080 on"
     )
     add_no_open(parser)
 

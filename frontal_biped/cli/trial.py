@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from frontal_biped.scenarios.run import TrialResult
 
 SUMMARY = "Run scenarios: disturbed walks with expectations; exit status 1 if one does not hold."
-EXAMPLE = "frontal-biped trial examples/scenarios/push.scenario.toml --repeat 20 --seed 1 --jobs 2 --save runs"
+EXAMPLE = "frontal-biped trial examples/scenarios/wrong_masses.scenario.toml --repeat 4 --seed 1 --jobs 2 --save runs"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from frontal_biped.cli.arguments import add_no_open, add_robot, add_source, whole_number
+from frontal_biped.cli.arguments import add_no_open, add_robot, add_source, port
 from frontal_biped.cli.exit_status import SUCCESS
 from frontal_biped.cli.progress import Progress
 from frontal_biped.exceptions import FrontalBipedError
@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--html", metavar="PAGE.html", type=Path, help="write one offline page instead of a live view")
     add_no_open(parser)
     parser.add_argument(
-        "--port", metavar="N", type=whole_number, default=0, help="of the live view; default: the first free one"
+        "--port", metavar="N", type=port, default=0, help="of the live view; default: the first free one"
     )
 
 

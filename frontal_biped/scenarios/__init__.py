@@ -2,9 +2,10 @@
 
 A scenario is a short file (`frontal_biped.scenarios.file` has every key). It is run
 
-* by ``frontal-biped trial push.scenario.toml --repeat 100 --seed 1 --jobs 2``: a hundred trials, survival with its 95 %
-  Wilson interval, and every expectation that failed with its trial, which ``--only K --save runs`` walks again for
-  `view`. The same seed gives the same digits on any `concurrent.futures.Executor` (``run_trials(..., executor=...)``);
+* by ``frontal-biped trial wrong_masses.scenario.toml --repeat 100 --seed 1 --jobs 2``: a hundred trials, survival with
+  its 95 % Wilson interval, and every expectation that failed with its trial, which ``--only K --save runs`` walks
+  again for `view`. The same seed gives the same digits on any `concurrent.futures.Executor`
+  (``run_trials(..., executor=...)``);
 * by pytest: once the package is installed, every ``*.scenario.toml`` is a test, and a failure is a report without a
   traceback;
 * from Python: ``run_scenario(load_scenario(path), controller=...)``.

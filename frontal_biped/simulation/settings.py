@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.simulation.disturbances import Disturbances
 from frontal_biped.simulation.hybrid_system import FLAT_LANDING
@@ -24,7 +26,7 @@ class SimulationSettings:
         flat_landing: rotation of the swing foot up to which it settles flat at impact [rad]; steeper is a stumble.
 
     Raises:
-        SimulationError: no steps, or disturbances under continuous control.
+        SimulationError: no whole number of steps, a period that is none, or disturbances under continuous control.
     """
 
     steps: int = 20
@@ -36,7 +38,9 @@ class SimulationSettings:
     flat_landing: float = FLAT_LANDING
 
     def __post_init__(self) -> None:
-        if self.steps < 1:
-            raise SimulationError(f"steps = {self.steps!r}: a walk has at least 1")
+        if isinstance(self.steps, bool) or not isinstance(self.steps, int | np.integer) or self.steps < 1:
+            raise SimulationError(f"steps = {self.steps!r} is not a whole number of at least 1")
+        if self.period is not None and not 0.0 < self.period < float("inf"):
+            raise SimulationError(f"period = {self.period!r} s is not positive; None for continuous control")
         if self.disturbances.any and self.period is None:
             raise SimulationError("disturbances act on sampled control; give a control period")

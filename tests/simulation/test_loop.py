@@ -117,9 +117,14 @@ def test_a_foot_below_the_ground_at_the_reversal_has_landed_early(biped, robust_
     assert engine.cross(EventKind.REVERSAL) is EventKind.EARLY_LANDING
 
 
-def test_a_walk_has_a_step():
-    with pytest.raises(SimulationError, match="steps = 0"):
-        SimulationSettings(steps=0)
+@pytest.mark.parametrize(
+    ("settings", "complaint"),
+    [({"steps": 0}, "steps = 0"), ({"steps": -1}, "steps = -1"), ({"steps": 2.5}, "steps = 2.5"),
+     ({"period": 0.0}, "period = 0.0"), ({"period": float("nan")}, "period = nan")],
+)  # fmt: skip
+def test_a_walk_has_steps_and_a_period(settings, complaint):
+    with pytest.raises(SimulationError, match=complaint):
+        SimulationSettings(**settings)
 
 
 def test_noise_follows_the_chain_it_is_drawn_along():
