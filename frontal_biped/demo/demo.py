@@ -200,8 +200,8 @@ def _draw(biped: FrontalBiped, run: Trajectory, report: DemoReport, paths: list[
     from frontal_biped.figures.write import write_figure
 
     paths = paths + write_figure(folder / "figures", "sensitivity", sensitivity(report.sensitivity.runs))
-    card = list(report.robustness.values())[-1]
-    paths += write_figure(folder / "figures", "return_map", return_map(card))
+    name, card = list(report.robustness.items())[-1]
+    paths += write_figure(folder / "figures", "return_map", return_map(card, f"{name} gait"))
     drawn = [
         (ROBUSTNESS_FIGURES.get(path.stem, path.stem), path.read_text(encoding="utf-8"))
         for path in paths

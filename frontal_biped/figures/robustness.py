@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 ROBUSTNESS_FIGURES: dict[str, str] = {
     "sensitivity": "Loss of invariance over the error of the reversal point: full model, one step.",
-    "return_map": "Return map of the post-impact speed, closed form; the bars span the speeds that return.",
+    "return_map": "Return map of the post-impact speed, closed form, for the gait in the legend; bars: what returns.",
 }
 """Names and captions, in the order of a report."""
 
@@ -59,11 +59,12 @@ def sensitivity(runs: Sequence[LossOfInvariance]) -> "Figure":
 
 
 @styled
-def return_map(card: RobustnessCard) -> "Figure":
+def return_map(card: RobustnessCard, gait: str = "gait") -> "Figure":
     """Post-impact speed of the next step over that of this one, both relative to the gait's.
 
     Args:
         card: of the gait; the stabilisers whose map was sampled are drawn.
+        gait: what the legend calls it.
 
     Returns:
         One panel; the bars at its foot span the speeds that return.
@@ -78,7 +79,7 @@ def return_map(card: RobustnessCard) -> "Figure":
         ax.plot(speeds, values, color=colour, linestyle=line, marker=marker, markersize=3.0, label=name)
         basin, height = card.basins[name], -0.12 * (k + 1)
         ax.plot([basin.low, basin.high], [height, height], color=colour, linewidth=5.0, alpha=0.7)
-    ax.plot([1.0], [1.0], "o", color=BLACK, markersize=6, linestyle="none", label="gait")
+    ax.plot([1.0], [1.0], "o", color=BLACK, markersize=6, linestyle="none", label=gait)
     ax.set_xlabel("post-impact speed, relative to the gait's [-]")
     ax.set_ylabel("after the next impact [-]")
     legend_above(ax, 3)

@@ -204,9 +204,10 @@ def test_robustness_figures_are_labelled():
         push_stabiliser="ankle",
         pushes=(),
     )
-    drawn = return_map(card)
+    drawn = return_map(card, "robust gait")
     assert_fit_for_a_column(drawn)
     ax = drawn.get_axes()[0]
+    assert "robust gait" in ax.get_legend_handles_labels()[1]
     assert ax.has_data()
     assert UNIT.search(ax.get_xlabel())
     assert UNIT.search(ax.get_ylabel())
