@@ -32,7 +32,8 @@ speed: simulated time waits for it, a robot would need a table of its answers.
 
 **The studio**, `benchmark_studio.py`: from a slider to a new gait 0.31 s, median of 20 changes, 1.5 s at most.
 
-**Humanoids**, `benchmark_humanoids.py`: 1.4 to 5.5 s of one core from URDF to certified gait.
+**Humanoids**, `benchmark_humanoids.py`, from URDF to certified gait: 4.5 to 13.2 CPU s on a busy machine with
+0.2.0, 1.4 to 5.5 on a quiet one with 0.1.0.
 
 `benchmark_library.py` has the rate of a library on one and two processes, `benchmark_mujoco.py` what MuJoCo makes of
 the gaits.
