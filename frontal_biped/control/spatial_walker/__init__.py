@@ -1,0 +1,1 @@
+"""The walking controller of the whole robot in space: from sensor readings to the torques of every joint."""
