@@ -18,6 +18,11 @@ That is all that must be there; ankle_height is 0 where it is left out. It may s
 
     symmetrise = true       # average legs that differ by at most 10 %, and take of their joint limits what both can do;
                             # `frontal-biped robots --json` lists what was averaged. Left out: refused (HR3)
+    virtual_legs = true     # a leg, seen from the front, turns about lines along X through the origins of its hip and
+                            # ankle roll joints, whatever the directions of their axes: robots whose hip roll joint
+                            # hangs below the hip pitch joint can bend their knees. Such a robot walks in space, where
+                            # the leg's six joints make those turns; in the plane its motors are those of the roll
+                            # joints, approximately. Left out: the axes must be along X (HR2)
     [base]
     rpy = [0.0, 0.0, 0.0]   # turns the root link so that X is forward, Y left, Z up, rad; left out: 0
     [posture]               # where every other joint is locked, rad, by URDF name; left out: 0
@@ -28,6 +33,7 @@ That is all that must be there; ankle_height is 0 where it is left out. It may s
     [armature]              # reflected rotor inertia, kg m^2, which a URDF cannot tell; left out: 0
     ankle = 0.0
     hip = 0.0
+    other = 0.0             # of every other joint; the plane does not see it, walking in space does
     [gait]                  # keys of a gait specification, used where none is given; left out: the reference one
     friction = 0.6
 
@@ -50,7 +56,7 @@ ROLL_JOINTS = ("left_ankle", "left_hip", "right_hip", "right_ankle")
 """The four roll joints in the order in which the paper's open chain passes them from left to right."""
 
 
-KEYS = ("name", "urdf", "symmetrise", "joints", "base", "posture", "sole", "limits", "armature", "gait")
+KEYS = ("name", "urdf", "symmetrise", "virtual_legs", "joints", "base", "posture", "sole", "limits", "armature", "gait")
 """Keys and sections of a description file."""
 
 
@@ -89,6 +95,8 @@ class RobotDescription:
         symmetrise: average legs that differ; otherwise they are refused.
         ankle_armature: reflected rotor inertia of the ankles [kg m^2], which a URDF cannot tell.
         hip_armature: of the hips [kg m^2].
+        other_armature: of every other joint [kg m^2].
+        virtual_legs: a leg turns about lines along X through the origins of its roll joints, whatever their axes.
         gait: keys of a gait specification that suit the robot, for `default_specification`.
         path: where the description was read.
     """
@@ -105,12 +113,14 @@ class RobotDescription:
     symmetrise: bool = False
     ankle_armature: float = 0.0
     hip_armature: float = 0.0
+    other_armature: float = 0.0
+    virtual_legs: bool = False
     gait: Mapping[str, Any] = field(default_factory=dict)
 
     def fingerprint(self, urdf_text: str) -> str:
         """SHA-256 of the URDF text and of everything in the description that shapes the planar model.
 
-        The length of the soles does not.
+        The length of the soles does not, nor does the rotor inertia of joints that are locked in the plane.
         """
         shape: dict[str, Any] = {
             "joints": dict(self.joints),
@@ -125,6 +135,8 @@ class RobotDescription:
             shape["base"] = list(self.base_rpy)
         if self.ankle_armature or self.hip_armature:
             shape["armature"] = [self.ankle_armature, self.hip_armature]
+        if self.virtual_legs:
+            shape["virtual_legs"] = True
         content = json.dumps(shape, sort_keys=True)
         return hashlib.sha256((content + urdf_text).encode()).hexdigest()
 
@@ -154,10 +166,7 @@ def read_description(path: Path) -> RobotDescription:
     limits = _section(path, table, "limits", ("ankle_torque", "hip_torque"))
     posture = _section(path, table, "posture", None)
     base = _section(path, table, "base", ("rpy",))
-    armature = _section(path, table, "armature", ("ankle", "hip"))
-    symmetrise = table.get("symmetrise", False)
-    if not isinstance(symmetrise, bool):
-        raise RobotError(f"{path}: symmetrise = {symmetrise!r} is neither true nor false; write symmetrise = true")
+    armature = _section(path, table, "armature", ("ankle", "hip", "other"))
     names = {key: _text(path, joints, "joints", key) for key in ROLL_JOINTS}
     if len(set(names.values())) != len(ROLL_JOINTS):
         raise RobotError(f"{path}: [joints] names one joint twice; the four roll joints are different joints")
@@ -178,9 +187,11 @@ def read_description(path: Path) -> RobotDescription:
         hip_torque=_positive_or_none(path, limits, "limits", "hip_torque"),
         path=path,
         base_rpy=_rpy(path, base),
-        symmetrise=symmetrise,
+        symmetrise=_truth(path, table, "symmetrise"),
         ankle_armature=_not_negative(path, armature, "armature", "ankle"),
         hip_armature=_not_negative(path, armature, "armature", "hip"),
+        other_armature=_not_negative(path, armature, "armature", "other"),
+        virtual_legs=_truth(path, table, "virtual_legs"),
         gait=_section(path, table, "gait", None),
     )
 
@@ -192,6 +203,13 @@ def _section(path: Path, table: dict[str, Any], name: str, known: tuple[str, ...
     if known is not None:
         reject_unknown_keys(f"{path}: [{name}]", section, known, RobotError)
     return section
+
+
+def _truth(path: Path, table: dict[str, Any], key: str) -> bool:
+    value = table.get(key, False)
+    if not isinstance(value, bool):
+        raise RobotError(f"{path}: {key} = {value!r} is neither true nor false; write {key} = true")
+    return value
 
 
 def _text(path: Path, table: dict[str, Any], section: str, key: str) -> str:

@@ -28,6 +28,8 @@ def description_text(
     lines += [f"name = {_value(description.name)}", f"urdf = {_value(urdf)}"]
     if description.symmetrise:
         lines.append("symmetrise = true" + (f"  # {beside['symmetrise']}" if "symmetrise" in beside else ""))
+    if description.virtual_legs:
+        lines.append("virtual_legs = true" + (f"  # {beside['virtual_legs']}" if "virtual_legs" in beside else ""))
     lines += ["", head("joints"), *(f"{key} = {_value(description.joints[key])}" for key in ROLL_JOINTS)]
     if any(description.base_rpy):
         lines += ["", head("base"), f"rpy = {_value(list(description.base_rpy))}"]
@@ -37,8 +39,10 @@ def description_text(
     limits = {"ankle_torque": description.ankle_torque, "hip_torque": description.hip_torque}
     if any(value is not None for value in limits.values()):
         lines += ["", head("limits"), *(f"{key} = {_value(v)}" for key, v in limits.items() if v is not None)]
-    if description.ankle_armature or description.hip_armature:
-        armature = {"ankle": description.ankle_armature, "hip": description.hip_armature}
+    armature = {"ankle": description.ankle_armature, "hip": description.hip_armature}
+    if description.other_armature:
+        armature["other"] = description.other_armature
+    if any(armature.values()):
         lines += ["", head("armature"), *(f"{key} = {_value(value)}" for key, value in armature.items())]
     if description.gait:
         lines += ["", head("gait"), *(f"{key} = {_value(value)}" for key, value in description.gait.items())]

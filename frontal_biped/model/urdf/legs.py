@@ -111,6 +111,11 @@ def _rotations() -> Iterator[FloatArray]:
         yield np.round(turn @ pin.rpy.rpyToMatrix(*np.asarray(up, dtype=float)))
 
 
+def nearest_upright(rotation: FloatArray) -> FloatArray:
+    """Of the 24 turns of a cube the one nearest to a (3, 3) rotation: a leaning root link, upright again."""
+    return max(_rotations(), key=lambda turn: float(np.trace(turn.T @ rotation)))
+
+
 def _pairs(full: pin.Model, data: pin.Data, upright: FloatArray) -> Iterator[tuple[float, Legs]]:
     """Mirrored pairs of chains that hang down, and how deep, with the root turned upright."""
     q = pin.neutral(full)

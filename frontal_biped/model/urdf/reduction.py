@@ -13,16 +13,15 @@ from frontal_biped.model.chain import FrontalChain
 from frontal_biped.model.robot import Robot
 from frontal_biped.model.stance_map import StanceMap
 from frontal_biped.model.urdf.description import ROLL_JOINTS, RobotDescription
+from frontal_biped.model.urdf.frontal_axes import roll_axis_signs, turn_axes_along_x
+from frontal_biped.model.urdf.legs import nearest_upright
 from frontal_biped.model.urdf.locked_model import lock_other_joints
 from frontal_biped.model.urdf.projection import PELVIS, FrontalBodies, RollJoint, planar_inertia
 from frontal_biped.model.urdf.symmetry import MOST_AVERAGED, Asymmetry, asymmetry, symmetrised
 from frontal_biped.model.urdf.whole_model import ROOT
 
-AXIS_TOLERANCE = 1e-3
-"""Largest angle [rad] between a roll axis and world X; beyond it the motion leaves the plane measurably."""
-
 FLAT_TOLERANCE = 1e-3
-"""Largest roll [rad] of a foot at the reference posture."""
+"""Largest roll [rad] of a foot at the reference posture; with virtual legs, largest turn about any axis."""
 
 
 class FrontalReduction(NamedTuple):
@@ -31,7 +30,8 @@ class FrontalReduction(NamedTuple):
     Attributes:
         chain: the planar biped, legs mirrored.
         stance_map: between URDF joint coordinates and stance coordinates.
-        model: 3D Pinocchio model, free-flyer root and the four roll joints, the others locked.
+        model: 3D Pinocchio model, free-flyer root and the four roll joints, the others locked; with virtual legs, the
+            axes of the roll joints are turned along X (`frontal_axes`), and so they are in ``stance_map``.
         reference: configuration of ``model`` at the posture, all roll joints at their reference angle.
         measured: the robot in its frontal plane as the URDF has it, before the legs were made equal.
         asymmetry: how much that changed.
@@ -63,12 +63,13 @@ def reduce_to_frontal_plane(robot: Robot) -> FrontalReduction:
     _check_actuators(robot.urdf_text, description, where)  # HR4
     model, reference = lock_other_joints(robot)
     data = model.createData()
-    pin.forwardKinematics(model, data, reference)
-    pin.computeJointJacobians(model, data, reference)
-
     joint_id = {key: model.getJointId(description.joints[key]) for key in ROLL_JOINTS}
     _check_open_chain(model, joint_id, description, where)  # HR1
-    axis_sign = _check_planarity(model, data, joint_id, description, where)  # HR2
+    axis_sign = roll_axis_signs(model, reference, robot)  # HR2
+    if description.virtual_legs:
+        model = turn_axes_along_x(model, reference, robot, axis_sign)
+        data = model.createData()
+    pin.forwardKinematics(model, data, reference)
     position = {key: data.oMi[joint].translation[1:].copy() for key, joint in joint_id.items()}
     for part in ("hip", "ankle"):
         left, right = position[f"left_{part}"][0], position[f"right_{part}"][0]
@@ -92,6 +93,8 @@ def reduce_to_frontal_plane(robot: Robot) -> FrontalReduction:
     differences = asymmetry(measured, description.sole)
     bodies = _mirrored(measured, differences, description, where)  # HR3
     _check_flat_feet(where, angle, axis_sign, description)  # HR5
+    if description.virtual_legs:
+        _check_level_feet(robot)  # HR5
     stance_map = StanceMap(
         axis_sign=np.array([axis_sign[key] for key in ROLL_JOINTS]),
         reference=np.array([angle[key] for key in ROLL_JOINTS]),
@@ -131,24 +134,6 @@ def _check_open_chain(model: pin.Model, joint_id: Mapping[str, int], description
             )
     if model.inertias[root].mass <= 0.0:
         raise HypothesisError("HR1", f"{where}: the pelvis link has no mass; give it an <inertial> with positive mass")
-
-
-def _check_planarity(
-    model: pin.Model, data: pin.Data, joint_id: Mapping[str, int], description: RobotDescription, where: str
-) -> dict[str, float]:
-    sign = {}
-    for key, joint in joint_id.items():
-        jacobian = pin.getJointJacobian(model, data, joint, pin.LOCAL_WORLD_ALIGNED)
-        axis = jacobian[3:, model.joints[joint].idx_v]
-        off = float(np.arctan2(np.linalg.norm(axis[1:]), abs(axis[0])))
-        if off > AXIS_TOLERANCE:
-            raise HypothesisError(
-                "HR2",
-                f"{where}: the axis of {description.joints[key]!r} is {np.degrees(off):.3g} degrees off world X;"
-                " name the roll joint, or give the [posture] at which its axis is along X",
-            )
-        sign[key] = float(np.sign(axis[0]))
-    return sign
 
 
 def _check_inertias(bodies: FrontalBodies, description: RobotDescription, where: str) -> None:
@@ -191,6 +176,28 @@ def _check_flat_feet(
                 "HR5",
                 f"{where}: the {side} foot is rolled by {np.degrees(roll):.3g} degrees at the reference posture; let"
                 f" [posture] {description.joints[ankle]} and {description.joints[hip]} cancel",
+            )
+
+
+def _check_level_feet(robot: Robot) -> None:
+    """With virtual legs roll angles do not tell whether a foot is flat: it is as it is drawn, all joints at zero."""
+    model, description = robot.model, robot.description
+    data = model.createData()
+    drawn = pin.neutral(model)
+    drawn[3:7] = pin.Quaternion(nearest_upright(pin.rpy.rpyToMatrix(*description.base_rpy))).coeffs()
+    for side in ("left", "right"):
+        name = description.joints[f"{side}_ankle"]
+        foot = model.getJointId(name)
+        pin.forwardKinematics(model, data, drawn)
+        flat = data.oMi[foot].rotation.copy()
+        pin.forwardKinematics(model, data, robot.posture)
+        turn = pin.log3(data.oMi[foot].rotation @ flat.T)
+        if float(np.linalg.norm(turn)) > FLAT_TOLERANCE:
+            roll, pitch, yaw = np.degrees(turn)
+            raise HypothesisError(
+                "HR5",
+                f"{description.path}: the {side} foot is turned by {roll:.3g}, {pitch:.3g} and {yaw:.3g} degrees about"
+                f" X, Y and Z at the reference posture; let the [posture] of the joints down to {name!r} cancel",
             )
 
 

@@ -29,13 +29,15 @@ def build_model(description: RobotDescription, urdf_text: str) -> pin.Model:
 
 
 def build_described_model(description: RobotDescription, urdf_text: str) -> pin.Model:
-    """The model of `build_model` with the torque limits and rotor inertias that the description gives its roll joints.
+    """The model of `build_model` with the torque limits and rotor inertias that the description gives.
 
     Raises:
         RobotError: Pinocchio cannot read the URDF, or a joint that the description names does not exist.
     """
     full = build_model(description, urdf_text)
     _check_names(full, description, urdf_text)
+    behind_root = full.joints[full.getJointId(ROOT)].nv
+    full.armature[behind_root:] = description.other_armature
     for key, name in description.joints.items():
         torque, armature = description.actuator(key)
         joint = full.joints[full.getJointId(name)]

@@ -14,8 +14,9 @@ import numpy as np
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.exceptions import MissingExtraError
+from frontal_biped.exceptions import MissingExtraError, RobotError
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.catalogue import models_dir
 from frontal_biped.model.chain import GRAVITY
 from frontal_biped.model.perturbation import LINKS
 from frontal_biped.model.stance_map import Stance
@@ -80,6 +81,7 @@ def mujoco_model(biped: FrontalBiped, contact: ContactSettings | None = None) ->
 
     Raises:
         MissingExtraError: MuJoCo is not installed.
+        RobotError: the robot has virtual legs.
     """
     return mujoco_spec(biped, contact or ContactSettings()).compile()
 
@@ -88,6 +90,11 @@ def mujoco_spec(biped: FrontalBiped, contact: ContactSettings) -> "MjSpec":
     """The specification that `mujoco_model` compiles."""
     mujoco = import_mujoco()
     description = biped.description
+    if description.virtual_legs:
+        raise RobotError(
+            f"{biped.path}: virtual_legs = true: its roll joints alone leave the plane, MuJoCo takes their axes as they"
+            f" are; walk it in space: frontal-biped walk {_asked_by(biped)}"
+        )
     spec = mujoco.MjSpec.from_string(_without_shapes(biped.robot.urdf_text))
     spec.compiler.fusestatic = True
     spec.compiler.discardvisual = False
@@ -129,6 +136,11 @@ def mujoco_spec(biped: FrontalBiped, contact: ContactSettings) -> "MjSpec":
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.impratio = 10.0  # friction as stiff as MuJoCo's manual advises against creeping
     return spec
+
+
+def _asked_by(biped: FrontalBiped) -> str:
+    """What a command is told to get this robot."""
+    return biped.name if biped.path.parent == models_dir() else str(biped.path)
 
 
 def _without_shapes(text: str) -> str:
