@@ -1,6 +1,8 @@
 """Pushes: lateral forces on the pelvis, at a time of the run or at a moment of a step."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 import pinocchio as pin
@@ -43,37 +45,74 @@ class Push:
     phase: str | None = None
 
     def __post_init__(self) -> None:
-        if not self.duration > 0.0:
-            raise SimulationError(f"push: duration = {self.duration!r} s must be positive")
-        if not self.start >= 0.0:
-            raise SimulationError(f"push: start = {self.start!r} s must not be negative")
-        if self.profile not in PROFILES:
-            raise SimulationError(f"push: profile = {self.profile!r} is unknown; known: {', '.join(PROFILES)}")
-        if (self.step is None) is not (self.phase is None):
-            raise SimulationError("push: step and phase belong together; give both or neither")
-        if self.phase is not None and self.phase not in {kind.value for kind in StepPhase}:
-            raise SimulationError(f"push: phase = {self.phase!r}; write 'rising' or 'falling'")
+        check_timing(self)
 
     def force(self, t: float) -> float:
         """Force to the left at time t since whatever ``start`` counts from [N]."""
-        elapsed = t - self.start
-        if not -_EARLY <= elapsed < self.duration - _EARLY:
-            return 0.0
-        mean = self.impulse / self.duration
-        if self.profile == "constant":
-            return mean
-        return 0.5 * np.pi * mean * max(0.0, float(np.sin(np.pi * elapsed / self.duration)))
+        return impulse_rate(self, t, self.impulse)
 
 
-class PushForces:
-    """The pushes of one run, as time and phases go by. Every engine tells it when a phase begins.
+class Timed(Protocol):
+    """When something pushes, and how its force rises and falls; fields as `Push` has them."""
+
+    @property
+    def start(self) -> float:
+        """[s]."""
+
+    @property
+    def duration(self) -> float:
+        """[s]."""
+
+    @property
+    def profile(self) -> str:
+        """One of `PROFILES`."""
+
+    @property
+    def step(self) -> int | None:
+        """Index of the step, from 0."""
+
+    @property
+    def phase(self) -> str | None:
+        """Of the step."""
+
+
+def check_timing(push: Timed) -> None:
+    """Raise `SimulationError` where duration, start, profile, step and phase make no push."""
+    if not push.duration > 0.0:
+        raise SimulationError(f"push: duration = {push.duration!r} s must be positive")
+    if not push.start >= 0.0:
+        raise SimulationError(f"push: start = {push.start!r} s must not be negative")
+    if push.profile not in PROFILES:
+        raise SimulationError(f"push: profile = {push.profile!r} is unknown; known: {', '.join(PROFILES)}")
+    if (push.step is None) is not (push.phase is None):
+        raise SimulationError("push: step and phase belong together; give both or neither")
+    if push.phase is not None and push.phase not in {kind.value for kind in StepPhase}:
+        raise SimulationError(f"push: phase = {push.phase!r}; write 'rising' or 'falling'")
+
+
+def impulse_rate(push: Timed, t: float, impulse: float) -> float:
+    """Force [N] at time t since whatever ``start`` counts from [s], of a push of an impulse [N s]."""
+    elapsed = t - push.start
+    if not -_EARLY <= elapsed < push.duration - _EARLY:
+        return 0.0
+    mean = impulse / push.duration
+    if push.profile == "constant":
+        return mean
+    return 0.5 * np.pi * mean * max(0.0, float(np.sin(np.pi * elapsed / push.duration)))
+
+
+AnyPush = TypeVar("AnyPush", bound=Timed)
+
+
+class PushTimes(Generic[AnyPush]):
+    """The pushes of one run, as time and phases go by. Whoever drives the engine tells it when a phase begins.
 
     Args:
         pushes: of the run.
     """
 
-    def __init__(self, pushes: tuple[Push, ...]) -> None:
-        self._pushes = pushes
+    def __init__(self, pushes: Sequence[AnyPush]) -> None:
+        self._pushes = tuple(pushes)
         self._origin: list[float | None] = [0.0 if push.step is None else None for push in pushes]
 
     def begin(self, t: float, step: int, phase: StepPhase) -> None:
@@ -82,11 +121,21 @@ class PushForces:
             if self._origin[i] is None and push.step == step and push.phase == phase.value:
                 self._origin[i] = t
 
+    def begun(self, t: float) -> Iterator[tuple[AnyPush, float]]:
+        """Pushes whose phase has begun, and the time since whatever their ``start`` counts from [s]."""
+        for push, origin in zip(self._pushes, self._origin, strict=True):
+            if origin is not None:
+                yield push, t - origin
+
+
+class PushForces(PushTimes[Push]):
+    """The lateral pushes of one run."""
+
     def at(self, t: float) -> list[tuple[float, float]]:
         """What acts at time t [s]: force to the left [N] and height of its point above the hip line [m]."""
         acting = []
-        for push, origin in zip(self._pushes, self._origin, strict=True):
-            force = 0.0 if origin is None else push.force(t - origin)
+        for push, elapsed in self.begun(t):
+            force = push.force(elapsed)
             if force != 0.0:
                 acting.append((force, push.height))
         return acting

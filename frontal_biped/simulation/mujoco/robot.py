@@ -10,15 +10,8 @@ from frontal_biped.model.chain import GRAVITY, UPRIGHT
 from frontal_biped.model.perturbation import LINKS, ModelErrors
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
-from frontal_biped.simulation.mujoco.model import (
-    BASE_JOINTS,
-    ContactSettings,
-    floor_of,
-    import_mujoco,
-    link_bodies,
-    mujoco_model,
-    sole_of,
-)
+from frontal_biped.simulation.mujoco.model import BASE_JOINTS, link_bodies, mujoco_model
+from frontal_biped.simulation.mujoco.spec import ContactSettings, floor_of, import_mujoco, sole_of, to_rotation
 from frontal_biped.simulation.stance_motion import Reaction
 
 
@@ -163,10 +156,7 @@ class MujocoRobot:
 
     def _up_in_pelvis(self) -> FloatArray:
         """The torso's axis in the pelvis frame: world Z at zero roll."""
-        quaternion = self.model.body_quat[self._bodies["pelvis"]]
-        matrix = np.zeros(9)
-        self._mujoco.mju_quat2Mat(matrix, quaternion)
-        return matrix.reshape(3, 3)[2]
+        return to_rotation(self.model.body_quat[self._bodies["pelvis"]])[2]
 
     # ------------------------------------------------------------------ feet and ground
     @property

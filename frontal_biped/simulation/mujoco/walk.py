@@ -11,15 +11,14 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.interface import Reading, Tickable
-from frontal_biped.exceptions import SimulationError
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
 from frontal_biped.simulation.engine import Move, first_foothold
 from frontal_biped.simulation.hybrid_system import LOWEST, EventKind
-from frontal_biped.simulation.mujoco.model import TIMESTEP, ContactSettings
 from frontal_biped.simulation.mujoco.robot import MujocoRobot
+from frontal_biped.simulation.mujoco.spec import ContactSettings, fitting_timestep, substeps
 from frontal_biped.simulation.pushes import PushForces
 from frontal_biped.simulation.sensed import WalkOptions, walk_in
 from frontal_biped.simulation.settings import PERIOD, SimulationSettings
@@ -64,7 +63,7 @@ def walk_in_mujoco(
     """
     chosen = settings or SimulationSettings()
     period = chosen.period or PERIOD
-    used = contact or ContactSettings(timestep=period / max(1, round(period / TIMESTEP)))
+    used = contact or ContactSettings(timestep=fitting_timestep(period))
     if chosen.disturbances.friction is not None:
         used = used._replace(friction=chosen.disturbances.friction)
     engine = MujocoEngine(biped, errors, used, period)
@@ -81,12 +80,7 @@ class MujocoEngine(MujocoRobot):
         self, biped: FrontalBiped, errors: ModelErrors | None, contact: ContactSettings, period: float
     ) -> None:
         super().__init__(biped, errors, contact)
-        self._substeps = round(period / contact.timestep)
-        if self._substeps < 1 or abs(self._substeps * contact.timestep - period) > 1e-9:
-            raise SimulationError(
-                f"a physics step of {contact.timestep:g} s does not divide the period of {period:g} s;"
-                f" give {period / max(1, round(period / TIMESTEP)):g} s"
-            )
+        self._substeps = substeps(period, contact.timestep)
         self._lowest = LOWEST * self.upright_height
         self._waiting: dict[Stance, float] = {}
 

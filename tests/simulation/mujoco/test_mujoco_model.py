@@ -10,7 +10,8 @@ from frontal_biped import load_robot
 from frontal_biped.exceptions import MissingExtraError
 from frontal_biped.model.biped import BASE
 from frontal_biped.model.perturbation import LINKS
-from frontal_biped.simulation.mujoco.model import BASE_JOINTS, import_mujoco, link_bodies, mujoco_model
+from frontal_biped.simulation.mujoco.model import BASE_JOINTS, link_bodies, mujoco_model
+from frontal_biped.simulation.mujoco.spec import import_mujoco
 
 mujoco = pytest.importorskip("mujoco")
 

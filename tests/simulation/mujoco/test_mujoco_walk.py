@@ -13,8 +13,9 @@ from frontal_biped.model.perturbation import ModelErrors, Plant
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
 from frontal_biped.simulation import Disturbances, Push, SimulationSettings, load_trajectory, save_trajectory
-from frontal_biped.simulation.mujoco.model import BASE_JOINTS, ContactSettings
+from frontal_biped.simulation.mujoco.model import BASE_JOINTS
 from frontal_biped.simulation.mujoco.robot import MujocoRobot
+from frontal_biped.simulation.mujoco.spec import ContactSettings
 from frontal_biped.simulation.mujoco.walk import walk_in_mujoco
 from frontal_biped.simulation.walking import walk
 

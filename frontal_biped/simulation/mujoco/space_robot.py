@@ -1,0 +1,302 @@
+"""The whole robot in MuJoCo, spoken to as a `FreeRobot`: Pinocchio's configurations and velocities, joint torques.
+
+Motors are those of the URDF: a torque is cut at the joint's effort, and no motor drives a joint beyond its speed. In
+the last `SPEED_BAND` of the speed limit, the torque in the direction of motion fades in proportion to the speed that is
+left,
+
+    tau = tau_cut (v_max - |v|) / (band + h |tau_cut| / I),      at most tau_cut, at least 0,
+
+where the second term of the denominator is what the torque adds to the speed of inertia I, the joint's own with all
+others free, in a physics step h: without it the fading is a damper too stiff for the step. Torques against the motion
+are not touched, and what else moves a joint, impact or push, may move it faster.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.control.spatial_walker.interface import SpatialReading
+from frontal_biped.exceptions import SimulationError
+from frontal_biped.model.space.errors import SpatialErrors
+from frontal_biped.model.space.free_robot import BASE, FreeRobot
+from frontal_biped.model.stance_map import Stance
+from frontal_biped.simulation.engine import Move
+from frontal_biped.simulation.hybrid_system import LOWEST, EventKind
+from frontal_biped.simulation.mujoco.space_model import joint_addresses, moved_bodies, mujoco_space_model
+from frontal_biped.simulation.mujoco.spec import ContactSettings, floor_of, import_mujoco, sole_of, substeps
+from frontal_biped.simulation.mujoco.walk import CLEAR, DIVERGED, TIPPED
+from frontal_biped.simulation.space.engine import SolePose, SpatialState
+from frontal_biped.simulation.space.pushes import LinkForce, SpatialPushForces
+
+SPEED_BAND = 0.1
+"""Share of the speed limit over which a motor's torque fades [-]."""
+
+TOPPLED = np.radians(60.0)
+"""Tilt of the root link beyond which the robot has fallen [rad]."""
+
+TOPPLED_OVER = "the pelvis tilted by more than 60 degrees"
+
+_UNLIMITED = 1e9
+"""Stands for a torque or speed without limit: arithmetic with it stays finite."""
+
+
+class SpaceRobot:
+    """One robot in space, its state and its ground.
+
+    Between calls, everything that MuJoCo derives from positions and velocities is up to date.
+
+    Args:
+        free: the robot of the files.
+        errors: how MuJoCo's bodies differ from them.
+        contact: contact and physics step.
+
+    Attributes:
+        model: MuJoCo's model.
+        data: MuJoCo's state.
+    """
+
+    def __init__(
+        self, free: FreeRobot, errors: SpatialErrors | None = None, contact: ContactSettings | None = None
+    ) -> None:
+        self.free = free
+        self._mujoco = import_mujoco()
+        self.model = mujoco_space_model(free, contact)
+        self._q_at, self._v_at = joint_addresses(free, self.model)
+        self._bodies = moved_bodies(free, self.model)
+        self._root = int(self._bodies[0])
+        self._sole_geoms = tuple(self.model.geom(sole_of(side)).id for side in Stance)
+        self._floors = {side: int(self.model.body(floor_of(side)).mocapid[0]) for side in Stance}
+        self._sole_bodies = tuple(int(self.model.geom_bodyid[geom]) for geom in self._sole_geoms)
+        self._sole_placements = tuple(sole.placement for sole in free.soles)
+        if errors is not None:
+            self._apply(errors)
+        self.data = self._mujoco.MjData(self.model)
+        self._effort = np.minimum(free.limits.effort, _UNLIMITED)
+        self._speed = np.minimum(free.limits.velocity, _UNLIMITED)
+        self._band = SPEED_BAND * self._speed
+        self._speed_gain = self.model.opt.timestep / _free_inertias(free)
+        self._wrenches = np.zeros((2, 6))
+        self._contact_wrench = np.zeros(6)
+        self._applied = np.zeros(self.model.nv)
+
+    def _apply(self, errors: SpatialErrors) -> None:
+        model, bodies = self.model, self._bodies
+        if len(errors.mass) != len(bodies):
+            raise SimulationError(
+                f"SpatialErrors of {len(errors.mass)} bodies for a robot of {len(bodies)}: its root and"
+                f" {len(bodies) - 1} joints"
+            )
+        model.body_mass[bodies] *= errors.mass
+        model.body_inertia[bodies] *= errors.inertia[:, None]
+        model.body_ipos[bodies] += errors.com
+        self._mujoco.mj_setConst(model, self._mujoco.MjData(model))
+
+    # ------------------------------------------------------------------ state
+    def place(self, q: FloatArray, v: FloatArray) -> None:
+        """Put the robot at q (nq,), v (nv,) of its `FreeRobot`, on level ground at z = 0."""
+        data = self.data
+        self._mujoco.mj_resetData(self.model, data)
+        rotation = pin.Quaternion(*q[[6, 3, 4, 5]]).matrix()
+        data.qpos[:3] = q[:3]
+        data.qpos[3:7] = q[[6, 3, 4, 5]]  # scalar first
+        data.qpos[self._q_at] = q[7:]
+        data.qvel[:3] = rotation @ v[:3]  # along the axes of the world
+        data.qvel[3:6] = v[3:6]  # about those of the root link, as in Pinocchio
+        data.qvel[self._v_at] = v[BASE:]
+        self._wrenches[:] = 0.0
+        self._mujoco.mj_step1(self.model, data)
+
+    def state(self) -> SpatialState:
+        """Configuration and velocity of the `FreeRobot`."""
+        data = self.data
+        q, v = np.empty(7 + len(self._q_at)), np.empty(BASE + len(self._v_at))
+        q[:3] = data.qpos[:3]
+        q[3:7] = data.qpos[[4, 5, 6, 3]]
+        q[7:] = data.qpos[self._q_at]
+        v[:3] = self.base_rotation.T @ data.qvel[:3]
+        v[3:6] = data.qvel[3:6]
+        v[BASE:] = data.qvel[self._v_at]
+        return SpatialState(q, v)
+
+    @property
+    def base_rotation(self) -> FloatArray:
+        """(3, 3) axes of the root link in the world."""
+        return self.data.xmat[self._root].reshape(3, 3)
+
+    @property
+    def joint_positions(self) -> FloatArray:
+        """(n,) [rad]."""
+        return self.data.qpos[self._q_at]
+
+    @property
+    def joint_velocities(self) -> FloatArray:
+        """(n,) [rad/s]."""
+        return self.data.qvel[self._v_at]
+
+    def com(self) -> tuple[FloatArray, FloatArray]:
+        """Centre of mass (3,) of the true robot in the world [m] and its velocity (3,) [m/s]."""
+        self._mujoco.mj_subtreeVel(self.model, self.data)
+        return self.data.subtree_com[self._root].copy(), self.data.subtree_linvel[self._root].copy()
+
+    # ------------------------------------------------------------------ motion
+    def run(self, tau: FloatArray, steps: int, pushes: Sequence[LinkForce] = ()) -> None:
+        """Physics steps under commanded joint torques (n,) [N m] and forces on links."""
+        mujoco, model, data, applied = self._mujoco, self.model, self.data, self._applied
+        applied[:] = 0.0
+        for push in pushes:
+            body, point = self._point(push.link, push.point)
+            mujoco.mj_applyFT(model, data, push.force, np.zeros(3), point, body, applied)
+        cut = np.clip(tau, -self._effort, self._effort)
+        size = np.abs(cut)
+        sense, denominator = np.sign(cut), self._band + self._speed_gain * size
+        for step in range(steps):
+            share = (self._speed - sense * data.qvel[self._v_at]) / denominator
+            data.qfrc_applied[:] = applied
+            data.qfrc_applied[self._v_at] += cut * np.clip(share, 0.0, 1.0)
+            mujoco.mj_step2(model, data)
+            if step == 0:
+                self._load()  # kinematics and contacts are still those before the step, the forces those in it
+            mujoco.mj_step1(model, data)
+
+    def _point(self, link: str, point: FloatArray) -> tuple[int, FloatArray]:
+        """MuJoCo's body that a link is part of, and a point of the link in the world (3,) [m]."""
+        model, placement, body = self.free.model, pin.SE3.Identity(), self._root
+        if link:
+            if not model.existFrame(link, pin.FrameType.BODY):
+                raise SimulationError(f"push: {self.free.name} has no link {link!r}; name one of its URDF")
+            frame = model.frames[model.getFrameId(link, pin.FrameType.BODY)]
+            # joint 0 is the universe, 1 the free root
+            body, placement = int(self._bodies[frame.parentJoint - 1]), frame.placement
+        return body, self.data.xpos[body] + self.data.xmat[body].reshape(3, 3) @ placement.act(point)
+
+    # ------------------------------------------------------------------ feet and ground
+    @property
+    def contact(self) -> tuple[bool, bool]:
+        """Does the left, the right foot touch the ground?"""
+        touching = self.data.contact.geom[:, 1]
+        left, right = self._sole_geoms
+        return bool((touching == left).any()), bool((touching == right).any())
+
+    def sole(self, side: Stance) -> SolePose:
+        """Where a foot's sole is."""
+        index = 0 if side is Stance.LEFT else 1
+        body, placement = self._sole_bodies[index], self._sole_placements[index]
+        rotation = self.data.xmat[body].reshape(3, 3)
+        return SolePose(self.data.xpos[body] + rotation @ placement.translation, rotation @ placement.rotation)
+
+    def wrenches(self) -> FloatArray:
+        """(2, 6) what the ground does to the left and the right foot as the last `run` began.
+
+        Force [N], then moment about the origin of the sole's frame [N m], in world axes.
+        """
+        return self._wrenches.copy()
+
+    def _load(self) -> None:
+        model, data, wrench = self.model, self.data, self._contact_wrench
+        self._wrenches[:] = 0.0
+        origins = [self.sole(side).position for side in Stance]
+        for i in range(data.ncon):
+            contact = data.contact[i]
+            foot = self._sole_geoms.index(contact.geom[1])
+            self._mujoco.mj_contactForce(model, data, i, wrench)
+            force = contact.frame.reshape(3, 3).T @ wrench[:3]
+            self._wrenches[foot, :3] += force
+            self._wrenches[foot, 3:] += np.cross(contact.pos - origins[foot], force)
+
+    def clearance(self, side: Stance) -> float:
+        """Height of the lowest point of a foot's box above z = 0 [m]."""
+        geom = self._sole_geoms[0 if side is Stance.LEFT else 1]
+        down = np.abs(self.data.geom_xmat[geom][6:9]) @ self.model.geom_size[geom]
+        return float(self.data.geom_xpos[geom, 2] - down)
+
+    def ground(self, stance: Stance) -> float:
+        """Height of the floor under a foot [m]."""
+        return float(self.data.mocap_pos[self._floors[stance], 2])
+
+    def set_ground(self, stance: Stance, height: float) -> None:
+        """Set the height of the floor under a foot [m]."""
+        self.data.mocap_pos[self._floors[stance], 2] = height
+
+
+class SpaceEngine(SpaceRobot):
+    """`SpaceRobot` as a walk wants it: one control period at a time, and an eye on falls.
+
+    Args:
+        free: the robot of the files.
+        period: control period [s].
+        errors: how MuJoCo's bodies differ from them.
+        contact: contact and physics step, which divides the period.
+
+    Raises:
+        SimulationError: the physics step does not divide the period.
+    """
+
+    name = "mujoco"
+
+    def __init__(
+        self,
+        free: FreeRobot,
+        period: float,
+        errors: SpatialErrors | None = None,
+        contact: ContactSettings | None = None,
+    ) -> None:
+        used = contact or ContactSettings()
+        self._substeps = substeps(period, used.timestep)
+        super().__init__(free, errors, used)
+        self.place(free.posture, np.zeros(free.model.nv))
+        self._lowest = LOWEST * float(self.com()[0][2])
+        # of the root link, upright at the posture
+        self._up = self.base_rotation[2].copy()
+        self._waiting: dict[Stance, float] = {}
+
+    def place(self, q: FloatArray, v: FloatArray) -> None:
+        """Put the robot at q (nq,), v (nv,) of its `FreeRobot`, on level ground at z = 0."""
+        super().place(q, v)
+        self._waiting = {}
+
+    def read(self, t: float) -> SpatialReading:
+        """True values of everything a sensor measures."""
+        return SpatialReading(
+            t,
+            self.joint_positions,
+            self.joint_velocities,
+            self.base_rotation.copy(),
+            self.data.qvel[3:6].copy(),
+            self.contact,
+        )
+
+    def raise_ground(self, stance: Stance, height: float) -> None:
+        """As soon as the foot has cleared it."""
+        self._waiting[stance] = height
+
+    def advance(self, t: float, end: float, tau: FloatArray, pushes: SpatialPushForces) -> Move:
+        """One control period under commanded joint torques (n,) [N m]; of events only a fall is told."""
+        for side, height in list(self._waiting.items()):
+            if self.clearance(side) > max(self.ground(side), height) + CLEAR:
+                self.set_ground(side, self._waiting.pop(side))
+        self.run(tau, self._substeps, pushes.at(t))
+        return Move(end, fell=self._fate())
+
+    def _fate(self) -> EventKind | str | None:
+        """How the robot has fallen, if it has."""
+        data = self.data
+        if not np.isfinite(data.qpos).all():
+            return DIVERGED
+        if data.subtree_com[self._root, 2] < self._lowest:
+            return EventKind.COLLAPSED
+        if self.base_rotation[2] @ self._up < np.cos(TOPPLED):
+            return TOPPLED_OVER
+        for side, touches in zip(Stance, self.contact, strict=True):
+            if touches and self.sole(side).rotation[2, 2] < np.cos(TIPPED):
+                return EventKind.EDGE_LANDING
+        return None
+
+
+def _free_inertias(free: FreeRobot) -> FloatArray:
+    """(n,) what each joint feels of the robot at its posture while all others are free [kg m^2]."""
+    model = free.model
+    inverse = np.array(pin.computeMinverse(model, model.createData(), free.posture))
+    inertias: FloatArray = 1.0 / np.diag(inverse)[BASE:]
+    return inertias
