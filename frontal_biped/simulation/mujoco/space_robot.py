@@ -12,6 +12,7 @@ are not touched, and what else moves a joint, impact or push, may move it faster
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -24,7 +25,7 @@ from frontal_biped.model.space.free_robot import BASE, FreeRobot
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.engine import Move
 from frontal_biped.simulation.hybrid_system import LOWEST, EventKind
-from frontal_biped.simulation.mujoco.space_model import joint_addresses, moved_bodies, mujoco_space_model
+from frontal_biped.simulation.mujoco.space_model import IndexArray, joint_addresses, moved_bodies, mujoco_space_model
 from frontal_biped.simulation.mujoco.spec import ContactSettings, floor_of, import_mujoco, sole_of, substeps
 from frontal_biped.simulation.mujoco.walk import CLEAR, DIVERGED, TIPPED
 from frontal_biped.simulation.space.engine import SolePose, SpatialState
@@ -36,10 +37,43 @@ SPEED_BAND = 0.1
 TOPPLED = np.radians(60.0)
 """Tilt of the root link beyond which the robot has fallen [rad]."""
 
+_LEAST_UPRIGHT = float(np.cos(TOPPLED))
+
 TOPPLED_OVER = "the pelvis tilted by more than 60 degrees"
+
+_LEAST_FLAT = float(np.cos(TIPPED))
+
+_DIVERGED_SPEED = 1e4
+"""No robot moves so fast [m/s, rad/s]."""
 
 _UNLIMITED = 1e9
 """Stands for a torque or speed without limit: arithmetic with it stays finite."""
+
+
+class _Load(NamedTuple):
+    """Contacts of one physics step, as MuJoCo keeps them.
+
+    Attributes:
+        geoms: (k,) the sole of each.
+        points: (k, 3) in the world [m].
+        frames: (k, 9) axes, row by row: normal, then two tangents.
+        forces: (k, 3) on the sole along those axes [N].
+        feet: (2, 3) where the left and the right foot's body is [m].
+        axes: (2, 9) their rotations, row by row.
+    """
+
+    geoms: IndexArray
+    points: FloatArray
+    frames: FloatArray
+    forces: FloatArray
+    feet: FloatArray
+    axes: FloatArray
+
+
+_CONE = np.arange(3)
+_NOTHING = _Load(
+    np.zeros(0, dtype=int), np.zeros((0, 3)), np.zeros((0, 9)), np.zeros((0, 3)), np.zeros((2, 3)), np.zeros((2, 9))
+)
 
 
 class SpaceRobot:
@@ -69,7 +103,9 @@ class SpaceRobot:
         self._sole_geoms = tuple(self.model.geom(sole_of(side)).id for side in Stance)
         self._floors = {side: int(self.model.body(floor_of(side)).mocapid[0]) for side in Stance}
         self._sole_bodies = tuple(int(self.model.geom_bodyid[geom]) for geom in self._sole_geoms)
-        self._sole_placements = tuple(sole.placement for sole in free.soles)
+        self._feet = list(self._sole_bodies)
+        self._sole_placements = tuple((sole.placement.translation, sole.placement.rotation) for sole in free.soles)
+        self._sole_normals = tuple(sole.placement.rotation[:, 2] for sole in free.soles)
         if errors is not None:
             self._apply(errors)
         self.data = self._mujoco.MjData(self.model)
@@ -77,8 +113,7 @@ class SpaceRobot:
         self._speed = np.minimum(free.limits.velocity, _UNLIMITED)
         self._band = SPEED_BAND * self._speed
         self._speed_gain = self.model.opt.timestep / _free_inertias(free)
-        self._wrenches = np.zeros((2, 6))
-        self._contact_wrench = np.zeros(6)
+        self._load = _NOTHING
         self._applied = np.zeros(self.model.nv)
 
     def _apply(self, errors: SpatialErrors) -> None:
@@ -105,7 +140,7 @@ class SpaceRobot:
         data.qvel[:3] = rotation @ v[:3]  # along the axes of the world
         data.qvel[3:6] = v[3:6]  # about those of the root link, as in Pinocchio
         data.qvel[self._v_at] = v[BASE:]
-        self._wrenches[:] = 0.0
+        self._load = _NOTHING
         self._mujoco.mj_step1(self.model, data)
 
     def state(self) -> SpatialState:
@@ -157,7 +192,7 @@ class SpaceRobot:
             data.qfrc_applied[self._v_at] += cut * np.clip(share, 0.0, 1.0)
             mujoco.mj_step2(model, data)
             if step == 0:
-                self._load()  # kinematics and contacts are still those before the step, the forces those in it
+                self._load = self._take_load()
             mujoco.mj_step1(model, data)
 
     def _point(self, link: str, point: FloatArray) -> tuple[int, FloatArray]:
@@ -175,35 +210,44 @@ class SpaceRobot:
     @property
     def contact(self) -> tuple[bool, bool]:
         """Does the left, the right foot touch the ground?"""
-        touching = self.data.contact.geom[:, 1]
+        touching = self.data.contact.geom[:, 1].tolist()
         left, right = self._sole_geoms
-        return bool((touching == left).any()), bool((touching == right).any())
+        return left in touching, right in touching
 
     def sole(self, side: Stance) -> SolePose:
         """Where a foot's sole is."""
         index = 0 if side is Stance.LEFT else 1
-        body, placement = self._sole_bodies[index], self._sole_placements[index]
+        body, (offset, axes) = self._sole_bodies[index], self._sole_placements[index]
         rotation = self.data.xmat[body].reshape(3, 3)
-        return SolePose(self.data.xpos[body] + rotation @ placement.translation, rotation @ placement.rotation)
+        return SolePose(self.data.xpos[body] + rotation @ offset, rotation @ axes)
 
     def wrenches(self) -> FloatArray:
         """(2, 6) what the ground does to the left and the right foot as the last `run` began.
 
         Force [N], then moment about the origin of the sole's frame [N m], in world axes.
         """
-        return self._wrenches.copy()
+        load, wrenches = self._load, np.zeros((2, 6))
+        forces = np.einsum("kij,ki->kj", load.frames.reshape(-1, 3, 3), load.forces)
+        for foot, (geom, (offset, _)) in enumerate(zip(self._sole_geoms, self._sole_placements, strict=True)):
+            own = load.geoms == geom
+            force, origin = forces[own], load.feet[foot] + load.axes[foot].reshape(3, 3) @ offset
+            product = (load.points[own] - origin).T @ force
+            wrenches[foot, :3] = force.sum(axis=0)
+            wrenches[foot, 3:] = (product - product.T)[[1, 2, 0], [2, 0, 1]]  # sum of arm x force
+        return wrenches
 
-    def _load(self) -> None:
-        model, data, wrench = self.model, self.data, self._contact_wrench
-        self._wrenches[:] = 0.0
-        origins = [self.sole(side).position for side in Stance]
-        for i in range(data.ncon):
-            contact = data.contact[i]
-            foot = self._sole_geoms.index(contact.geom[1])
-            self._mujoco.mj_contactForce(model, data, i, wrench)
-            force = contact.frame.reshape(3, 3).T @ wrench[:3]
-            self._wrenches[foot, :3] += force
-            self._wrenches[foot, 3:] += np.cross(contact.pos - origins[foot], force)
+    def _take_load(self) -> "_Load":
+        """Contacts and forces of the last step; kinematics and contacts are still those before it."""
+        contact, data = self.data.contact, self.data
+        return _Load(
+            contact.geom[:, 1].copy(),
+            contact.pos.copy(),
+            contact.frame.copy(),
+            # of a cone with sliding friction: normal and two tangents
+            data.efc_force[contact.efc_address[:, None] + _CONE],
+            data.xpos[self._feet],
+            data.xmat[self._feet],
+        )
 
     def clearance(self, side: Stance) -> float:
         """Height of the lowest point of a foot's box above z = 0 [m]."""
@@ -282,14 +326,15 @@ class SpaceEngine(SpaceRobot):
     def _fate(self) -> EventKind | str | None:
         """How the robot has fallen, if it has."""
         data = self.data
-        if not np.isfinite(data.qpos).all():
+        speed = float(data.qvel @ data.qvel)
+        if not speed < _DIVERGED_SPEED**2:  # nan is no number below it
             return DIVERGED
         if data.subtree_com[self._root, 2] < self._lowest:
             return EventKind.COLLAPSED
-        if self.base_rotation[2] @ self._up < np.cos(TOPPLED):
+        if data.xmat[self._root, 6:] @ self._up < _LEAST_UPRIGHT:
             return TOPPLED_OVER
-        for side, touches in zip(Stance, self.contact, strict=True):
-            if touches and self.sole(side).rotation[2, 2] < np.cos(TIPPED):
+        for body, normal, touches in zip(self._sole_bodies, self._sole_normals, self.contact, strict=True):
+            if touches and data.xmat[body, 6:] @ normal < _LEAST_FLAT:
                 return EventKind.EDGE_LANDING
         return None
 
