@@ -7,8 +7,6 @@ steps_completed, gait (the whole gait file) and settings. `numpy.load` reads it 
 simulator can be written with `save_trajectory` and watched.
 """
 
-import json
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
@@ -17,10 +15,9 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.exceptions import TrajectoryFileError
-from frontal_biped.files.atomic import atomic_path
+from frontal_biped.files.archive import ArchiveKind, read_archive, write_archive
 
-FORMAT, VERSION = "frontal-biped-run", 1
+KIND = ArchiveKind("frontal-biped-run", 1, "write one with `frontal-biped simulate GAIT.json -o RUN.npz`")
 
 COMPLETED = "completed"
 """Outcome of a walk that took all its steps."""
@@ -119,10 +116,8 @@ _TEXT = ("event_kind", "robot", "outcome", "steps_completed", "gait", "settings"
 
 def save_trajectory(trajectory: Trajectory, path: Path | str) -> None:
     """Write a run file (NPZ, no pickles); it appears whole or not at all."""
-    header = {"format": FORMAT, "version": VERSION, **{key: getattr(trajectory, key) for key in _TEXT}}
     arrays = {name: getattr(trajectory, name) for name in _ARRAYS}
-    with atomic_path(Path(path)) as temporary, temporary.open("wb") as stream:
-        np.savez_compressed(stream, header=np.array(json.dumps(header)), **arrays)
+    write_archive(Path(path), KIND, {key: getattr(trajectory, key) for key in _TEXT}, arrays)
 
 
 def load_trajectory(path: Path | str) -> Trajectory:
@@ -131,17 +126,6 @@ def load_trajectory(path: Path | str) -> Trajectory:
     Raises:
         TrajectoryFileError: the file is missing, cut off, or not a run.
     """
-    remedy = "write one with `frontal-biped simulate GAIT.json -o RUN.npz`"
-    if not Path(path).is_file():
-        raise TrajectoryFileError(f"{path}: no such run file; {remedy}")
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            header = json.loads(str(archive["header"]))
-            if header.get("format") != FORMAT or header.get("version") != VERSION:
-                raise TrajectoryFileError(f"{path}: not a run file of version {VERSION}; {remedy}")
-            arrays = {name: archive[name] for name in _ARRAYS}
-            text = {key: header[key] for key in _TEXT}
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, AttributeError) as error:
-        raise TrajectoryFileError(f"{path}: not a readable run file ({error}); {remedy}") from None
+    text, arrays = read_archive(Path(path), KIND, _TEXT, _ARRAYS)
     text["event_kind"] = tuple(text["event_kind"])
     return Trajectory(**arrays, **text)

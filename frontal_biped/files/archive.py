@@ -1,0 +1,72 @@
+"""NumPy archives (NPZ) without pickles: named arrays, and one JSON text called ``header``."""
+
+import json
+import zipfile
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.exceptions import TrajectoryFileError
+from frontal_biped.files.atomic import atomic_path
+
+
+class ArchiveKind(NamedTuple):
+    """What an archive says it is.
+
+    Attributes:
+        format: its name.
+        version: of the format.
+        remedy: how to come by such a file, the end of every complaint.
+    """
+
+    format: str
+    version: int
+    remedy: str
+
+
+def write_archive(path: Path, kind: ArchiveKind, header: Mapping[str, Any], arrays: Mapping[str, FloatArray]) -> None:
+    """Write an archive; it appears whole or not at all."""
+    told = json.dumps({"format": kind.format, "version": kind.version, **header})
+    with atomic_path(path) as temporary, temporary.open("wb") as stream:
+        np.savez_compressed(stream, header=np.array(told), **arrays)
+
+
+def archive_format(path: Path) -> str:
+    """What an archive says it is; "" of a file that says nothing, or is none."""
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            return str(json.loads(str(archive["header"]))["format"])
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, AttributeError, TypeError):
+        return ""
+
+
+def read_archive(
+    path: Path, kind: ArchiveKind, header: Iterable[str], arrays: Iterable[str]
+) -> tuple[dict[str, Any], dict[str, FloatArray]]:
+    """Read an archive.
+
+    Args:
+        path: of the file.
+        kind: what it must be.
+        header: keys that the header must have; others are left.
+        arrays: names of arrays that must be there; others are left.
+
+    Returns:
+        The values of these keys, and these arrays.
+
+    Raises:
+        TrajectoryFileError: the file is missing, cut off, or of another kind.
+    """
+    if not path.is_file():
+        raise TrajectoryFileError(f"{path}: no such run file; {kind.remedy}")
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            told = json.loads(str(archive["header"]))
+            if told.get("format") != kind.format or told.get("version") != kind.version:
+                raise TrajectoryFileError(f"{path}: not a run file of version {kind.version}; {kind.remedy}")
+            return {key: told[key] for key in header}, {name: archive[name] for name in arrays}
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, AttributeError) as error:
+        raise TrajectoryFileError(f"{path}: not a readable run file ({error}); {kind.remedy}") from None

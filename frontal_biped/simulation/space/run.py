@@ -1,0 +1,132 @@
+"""A recorded walk in space: what every joint and both soles did, sampled in time, and the events. And its run file.
+
+A run file is a NumPy archive (NPZ) without pickles. Its entries are the arrays of `SpatialRun` under their own names
+and ``header``, a JSON text with format ("frontal-biped-space-run"), version (1) and the rest of `SpatialRun`.
+`numpy.load` reads it without this package; a walk of another simulator can be written with `save_spatial_run` and
+watched.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.files.archive import ArchiveKind, read_archive, write_archive
+from frontal_biped.simulation.trajectory import COMPLETED
+
+KIND = ArchiveKind("frontal-biped-space-run", 1, "write one with `frontal-biped walk ROBOT -o RUN.npz`")
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialRun:
+    """A walk of a `FreeRobot`, time first, both soles left before right. World: X forward, Y left, Z up, ground z = 0.
+
+    Events appear as two samples at one time, before and after. Frontal states are stance coordinates, as in the plane.
+
+    Attributes:
+        t: (T,) time [s].
+        q: (T, 7 + n) configurations: xyz and quaternion xyzw of the root link, joint angles [m, rad].
+        v: (T, 6 + n) velocities: root link linear and angular in its own axes, joint rates [m/s, rad/s].
+        tau: (T, n) joint torques [N m].
+        wrench: (T, 2, 6) ground on sole: force [N], moment about the origin of the sole's frame [N m]; world axes.
+        contact: (T, 2) 1 where the foot touches the ground, else 0.
+        com: (T, 3) centre of mass [m].
+        com_velocity: (T, 3) [m/s].
+        sole_position: (T, 2, 3) origins of the soles' frames, on the sole below the ankle [m].
+        sole_yaw: (T, 2) where they point, about Z from X [rad].
+        frontal_q: (T, 4) true frontal state of the stance leg [rad].
+        frontal_dq: (T, 4) [rad/s].
+        frontal_y: (T, 3) output error q_b - h_d(beta) [rad].
+        p_fri: (T,) true FRI, along h from the stance ankle [m].
+        p_fri_target: (T,) wanted FRI [m].
+        cop_x: (T,) centre of pressure ahead of the stance ankle, in the foot's axes [m].
+        cop_target_x: (T,) wanted one [m].
+        phase: (T,) +1 rising, -1 falling.
+        stance: (T,) +1 left, -1 right.
+        step: (T,) index of the step.
+        speed_target: (T,) commanded speed forwards [m/s].
+        yaw: (T,) of the pelvis [rad].
+        foothold: (T, 3) planned x, y [m] and yaw [rad] of the next foot.
+        solved: (T,) 1 where the quadratic program was solved with every limit kept, else 0.
+        event_t: (E,) time of each event [s].
+        event_kind: (E,) its name, as in `Trajectory`.
+        event_step: (E,) step it belongs to.
+        event_frontal: (E, 8) frontal q and dq right after it (of the new stance leg at an impact).
+        robot: name of the robot.
+        joint_names: (n) the URDF's, in the order of ``q``, ``v`` and ``tau``.
+        locked: joints that were held at the posture.
+        outcome: "completed", or what made the robot fall.
+        steps_completed: landings survived.
+        gait: the gait file's content, or {}.
+        settings: of plant and controller, disturbances, what was measured.
+    """
+
+    t: FloatArray
+    q: FloatArray
+    v: FloatArray
+    tau: FloatArray
+    wrench: FloatArray
+    contact: FloatArray
+    com: FloatArray
+    com_velocity: FloatArray
+    sole_position: FloatArray
+    sole_yaw: FloatArray
+    frontal_q: FloatArray
+    frontal_dq: FloatArray
+    frontal_y: FloatArray
+    p_fri: FloatArray
+    p_fri_target: FloatArray
+    cop_x: FloatArray
+    cop_target_x: FloatArray
+    phase: FloatArray
+    stance: FloatArray
+    step: FloatArray
+    speed_target: FloatArray
+    yaw: FloatArray
+    foothold: FloatArray
+    solved: FloatArray
+    event_t: FloatArray
+    event_kind: tuple[str, ...]
+    event_step: FloatArray
+    event_frontal: FloatArray
+    robot: str
+    joint_names: tuple[str, ...]
+    locked: tuple[str, ...]
+    outcome: str
+    steps_completed: int
+    gait: Mapping[str, Any] = field(default_factory=dict)
+    settings: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def fell(self) -> bool:
+        """Did the robot fall?"""
+        return self.outcome != COMPLETED
+
+    def events(self, kind: str) -> FloatArray:
+        """(k,) indices of the events of one kind."""
+        return np.array([i for i, name in enumerate(self.event_kind) if name == kind], dtype=np.int64)
+
+
+_ARRAYS = tuple(f.name for f in fields(SpatialRun) if f.type is FloatArray)
+SAMPLED = tuple(name for name in _ARRAYS if not name.startswith("event_"))
+_TUPLES = ("event_kind", "joint_names", "locked")
+_TEXT = (*_TUPLES, "robot", "outcome", "steps_completed", "gait", "settings")
+
+
+def save_spatial_run(run: SpatialRun, path: Path | str) -> None:
+    """Write a run file (NPZ, no pickles); it appears whole or not at all."""
+    arrays = {name: np.asarray(getattr(run, name), dtype=float) for name in _ARRAYS}
+    write_archive(Path(path), KIND, {key: getattr(run, key) for key in _TEXT}, arrays)
+
+
+def load_spatial_run(path: Path | str) -> SpatialRun:
+    """Read a run file.
+
+    Raises:
+        TrajectoryFileError: the file is missing, cut off, or not a walk in space.
+    """
+    told, arrays = read_archive(Path(path), KIND, _TEXT, _ARRAYS)
+    return SpatialRun(**arrays, **{key: tuple(part) if key in _TUPLES else part for key, part in told.items()})

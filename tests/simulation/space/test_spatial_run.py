@@ -1,0 +1,63 @@
+"""Run files of walks in space: exact round trip, and refusals that name the file."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from frontal_biped.exceptions import TrajectoryFileError
+from frontal_biped.simulation.space.run import SAMPLED, SpatialRun, load_spatial_run, save_spatial_run
+
+SHAPES = {
+    "q": (9,), "v": (8,), "tau": (2,), "wrench": (2, 6), "contact": (2,), "com": (3,), "com_velocity": (3,),
+    "sole_position": (2, 3), "sole_yaw": (2,), "frontal_q": (4,), "frontal_dq": (4,), "frontal_y": (3,),
+    "foothold": (3,),
+}  # fmt: skip
+
+
+@pytest.fixture
+def run():
+    generator = np.random.default_rng(0)
+    arrays = {name: generator.normal(size=(5, *SHAPES.get(name, ()))) for name in SAMPLED}
+    return SpatialRun(
+        **arrays,
+        event_t=np.array([0.0, 1.0]),
+        event_kind=("IMPACT", "REVERSAL"),
+        event_step=np.zeros(2),
+        event_frontal=generator.normal(size=(2, 8)),
+        robot="two_joints",
+        joint_names=("hip", "ankle"),
+        locked=("finger",),
+        outcome="completed",
+        steps_completed=1,
+        settings={"plant": {"friction": 0.8}},
+    )
+
+
+def test_round_trip_is_exact(run, tmp_path):
+    path = tmp_path / "run.npz"
+    save_spatial_run(run, path)
+    back = load_spatial_run(path)
+    for field in dataclasses.fields(run):
+        a, b = getattr(run, field.name), getattr(back, field.name)
+        assert np.array_equal(a, b) if isinstance(a, np.ndarray) else a == b, field.name
+    assert not back.fell
+    assert back.events("REVERSAL").tolist() == [1]
+
+
+def test_missing_and_cut_off_files_are_refused_in_one_line(run, tmp_path):
+    path = tmp_path / "run.npz"
+    with pytest.raises(TrajectoryFileError, match="no such run file"):
+        load_spatial_run(path)
+    save_spatial_run(run, path)
+    path.write_bytes(path.read_bytes()[:-300])
+    with pytest.raises(TrajectoryFileError, match=r"run\.npz.*walk") as error:
+        load_spatial_run(path)
+    assert "\n" not in str(error.value)
+
+
+def test_a_run_in_the_plane_is_refused(tmp_path):
+    path = tmp_path / "run.npz"
+    np.savez(path, header=np.array('{"format": "frontal-biped-run", "version": 1}'))
+    with pytest.raises(TrajectoryFileError, match="not a run file of version 1"):
+        load_spatial_run(path)
