@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import TrajectoryFileError
 from frontal_biped.files.atomic import atomic_path
 
@@ -27,7 +26,7 @@ class ArchiveKind(NamedTuple):
     remedy: str
 
 
-def write_archive(path: Path, kind: ArchiveKind, header: Mapping[str, Any], arrays: Mapping[str, FloatArray]) -> None:
+def write_archive(path: Path, kind: ArchiveKind, header: Mapping[str, Any], arrays: Mapping[str, Any]) -> None:
     """Write an archive; it appears whole or not at all."""
     told = json.dumps({"format": kind.format, "version": kind.version, **header})
     with atomic_path(path) as temporary, temporary.open("wb") as stream:
@@ -45,7 +44,7 @@ def archive_format(path: Path) -> str:
 
 def read_archive(
     path: Path, kind: ArchiveKind, header: Iterable[str], arrays: Iterable[str]
-) -> tuple[dict[str, Any], dict[str, FloatArray]]:
+) -> dict[str, Any]:
     """Read an archive.
 
     Args:
@@ -55,7 +54,7 @@ def read_archive(
         arrays: names of arrays that must be there; others are left.
 
     Returns:
-        The values of these keys, and these arrays.
+        The values of these keys and these arrays, by name.
 
     Raises:
         TrajectoryFileError: the file is missing, cut off, or of another kind.
@@ -67,6 +66,6 @@ def read_archive(
             told = json.loads(str(archive["header"]))
             if told.get("format") != kind.format or told.get("version") != kind.version:
                 raise TrajectoryFileError(f"{path}: not a run file of version {kind.version}; {kind.remedy}")
-            return {key: told[key] for key in header}, {name: archive[name] for name in arrays}
+            return {**{key: told[key] for key in header}, **{name: archive[name] for name in arrays}}
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, AttributeError) as error:
         raise TrajectoryFileError(f"{path}: not a readable run file ({error}); {kind.remedy}") from None

@@ -126,6 +126,6 @@ def load_trajectory(path: Path | str) -> Trajectory:
     Raises:
         TrajectoryFileError: the file is missing, cut off, or not a run.
     """
-    text, arrays = read_archive(Path(path), KIND, _TEXT, _ARRAYS)
-    text["event_kind"] = tuple(text["event_kind"])
-    return Trajectory(**arrays, **text)
+    content = read_archive(Path(path), KIND, _TEXT, _ARRAYS)
+    content["event_kind"] = tuple(content["event_kind"])
+    return Trajectory(**content)

@@ -128,5 +128,5 @@ def load_spatial_run(path: Path | str) -> SpatialRun:
     Raises:
         TrajectoryFileError: the file is missing, cut off, or not a walk in space.
     """
-    told, arrays = read_archive(Path(path), KIND, _TEXT, _ARRAYS)
-    return SpatialRun(**arrays, **{key: tuple(part) if key in _TUPLES else part for key, part in told.items()})
+    content = read_archive(Path(path), KIND, _TEXT, _ARRAYS)
+    return SpatialRun(**content | {key: tuple(content[key]) for key in _TUPLES})
