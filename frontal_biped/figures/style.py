@@ -13,8 +13,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import MissingExtraError
-from frontal_biped.simulation.trajectory import Trajectory
-from frontal_biped.simulation.world import phase_spans
+from frontal_biped.simulation.world import Phased, phase_spans
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 if TYPE_CHECKING:
@@ -104,7 +103,7 @@ def own_or_new(ax: "Axes | None", name: str, height: float) -> tuple["Figure", "
     return found, ax
 
 
-def shade_phases(axes: Sequence["Axes"], trajectory: Trajectory) -> None:
+def shade_phases(axes: Sequence["Axes"], trajectory: Phased) -> None:
     """Shade the rising phases, name phase and stance foot above the first panel; time runs from the first sample."""
     start = float(trajectory.t[0])
     spans = phase_spans(trajectory)
@@ -132,7 +131,7 @@ def shade_phases(axes: Sequence["Axes"], trajectory: Trajectory) -> None:
     axes[-1].set_xlabel("time [s]")
 
 
-def by_phase(trajectory: Trajectory, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+def by_phase(trajectory: Phased, values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Time from the first sample and values (T, ...) with a gap after each phase, so that no line bridges an event."""
     t, pieces = [], []
     for span in phase_spans(trajectory):

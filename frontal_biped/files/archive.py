@@ -42,9 +42,7 @@ def archive_format(path: Path) -> str:
         return ""
 
 
-def read_archive(
-    path: Path, kind: ArchiveKind, header: Iterable[str], arrays: Iterable[str]
-) -> dict[str, Any]:
+def read_archive(path: Path, kind: ArchiveKind, header: Iterable[str], arrays: Iterable[str]) -> dict[str, Any]:
     """Read an archive.
 
     Args:

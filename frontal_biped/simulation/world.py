@@ -9,7 +9,7 @@ The 3D pose follows from one condition: the stance foot lies flat on z = 0 below
 """
 
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import pinocchio as pin
@@ -25,6 +25,26 @@ _ANKLE = {Stance.LEFT: 0, Stance.RIGHT: 3}  # index in StanceMap.joint_names
 
 _INTERPOLATED = ("q", "dq", "u", "force", "p_fri", "p_fri_target", "q_b_desired")
 _HELD = ("phase", "stance", "stance_y", "step")
+
+
+class Phased(Protocol):
+    """A run with phases and steps, in the plane or in space: `Trajectory`, `SpatialRun`."""
+
+    @property
+    def t(self) -> FloatArray:
+        """(T,) time [s]."""
+
+    @property
+    def phase(self) -> FloatArray:
+        """(T,) +1 rising, -1 falling."""
+
+    @property
+    def stance(self) -> FloatArray:
+        """(T,) +1 left, -1 right."""
+
+    @property
+    def step(self) -> FloatArray:
+        """(T,) index of the step."""
 
 
 class PhaseSpan(NamedTuple):
@@ -68,7 +88,7 @@ class WorldMotion:
     stance: FloatArray
 
 
-def phase_spans(trajectory: Trajectory) -> list[PhaseSpan]:
+def phase_spans(trajectory: Phased) -> list[PhaseSpan]:
     """The phases of a run in the order of time."""
     changes = (np.diff(trajectory.phase) != 0.0) | (np.diff(trajectory.step) != 0.0)
     starts = [0, *(np.flatnonzero(changes) + 1).tolist()]
@@ -98,21 +118,40 @@ def resample(trajectory: Trajectory, times: FloatArray) -> Trajectory:
     Returns:
         The run at these instants, events unchanged.
     """
-    t = trajectory.t
+    between = neighbours(trajectory.t, times)
+    arrays: dict[str, Any] = {"t": np.asarray(times, dtype=float)}
+    arrays |= {name: between.mix(getattr(trajectory, name)) for name in _INTERPOLATED}
+    arrays |= {name: getattr(trajectory, name)[between.left] for name in _HELD}
+    return replace(trajectory, **arrays)
+
+
+class Neighbours(NamedTuple):
+    """The samples before and after some instants.
+
+    Attributes:
+        left: (K,) index of the sample before, of two at one time the later.
+        right: (K,) index of the one behind it.
+        weight: (K,) of the right one, 0 to 1; the last instant of a run is reached from the left at weight 1.
+    """
+
+    left: "np.ndarray[Any, np.dtype[np.intp]]"
+    right: "np.ndarray[Any, np.dtype[np.intp]]"
+    weight: FloatArray
+
+    def mix(self, values: FloatArray) -> FloatArray:
+        """Values (T, ...) of the samples, at the instants (K, ...)."""
+        w = self.weight.reshape(-1, *([1] * (values.ndim - 1)))
+        return (1.0 - w) * values[self.left] + w * values[self.right]
+
+
+def neighbours(t: FloatArray, times: FloatArray) -> Neighbours:
+    """Between which samples, at t (T,) [s], the instants (K,) lie."""
     last = max(len(t) - 2, 0)
     left = np.clip(np.searchsorted(t, times, side="right") - 1, 0, last)
     right = np.minimum(left + 1, len(t) - 1)
     width = t[right] - t[left]
     weight = np.clip(np.divide(times - t[left], width, out=np.zeros_like(width), where=width > 0.0), 0.0, 1.0)
-    # the last instant belongs to its left neighbour's phase, reached at weight 1
-    arrays: dict[str, Any] = {"t": np.asarray(times, dtype=float)}
-    for name in _INTERPOLATED:
-        values = getattr(trajectory, name)
-        w = weight.reshape(-1, *([1] * (values.ndim - 1)))
-        arrays[name] = (1.0 - w) * values[left] + w * values[right]
-    for name in _HELD:
-        arrays[name] = getattr(trajectory, name)[left]
-    return replace(trajectory, **arrays)
+    return Neighbours(left, right, weight)
 
 
 def drawable(trajectory: Trajectory) -> Trajectory:
@@ -141,7 +180,7 @@ def drawable(trajectory: Trajectory) -> Trajectory:
     return replace(trajectory, **cut)
 
 
-def frame_times(trajectory: Trajectory, fps: float) -> FloatArray:
+def frame_times(trajectory: Phased, fps: float) -> FloatArray:
     """(K,) instants at a fixed rate from the first sample on [s]; the last one is the end of the run exactly."""
     start, end = float(trajectory.t[0]), float(trajectory.t[-1])
     whole = int(np.floor((end - start) * fps + 1e-9))

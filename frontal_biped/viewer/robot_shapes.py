@@ -1,6 +1,7 @@
 """Shapes of the robot as MeshCat nodes: its URDF's own, or bars where it has none."""
 
 import logging
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pinocchio as pin
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.robot import Robot
 from frontal_biped.model.urdf.shapes import build_shapes
 from frontal_biped.viewer.placements import Y_TO_Z, at
 from frontal_biped.viewer.robot_meshes import draw_mesh, is_mesh, light_meshes
@@ -19,16 +21,16 @@ Colour = tuple[float, float, float, float]
 """Red, green, blue and opacity, 0 to 1."""
 
 
-def visual_model(biped: FrontalBiped) -> pin.GeometryModel:
-    """Shapes of a robot: the URDF's visuals, or its collision shapes where it has none; possibly neither.
+def visual_model(robot: Robot, model: pin.Model) -> pin.GeometryModel:
+    """Shapes of a robot on a model of it: the URDF's visuals, or its collision shapes where it has none, or nothing.
 
     Raises:
         RobotError: a mesh is not found.
     """
-    urdf, text = biped.description.urdf, biped.robot.urdf_text
-    shapes = build_shapes(biped.spatial_model, urdf, text, pin.GeometryType.VISUAL)
+    urdf, text = robot.description.urdf, robot.urdf_text
+    shapes = build_shapes(model, urdf, text, pin.GeometryType.VISUAL)
     if not shapes.ngeoms:
-        shapes = build_shapes(biped.spatial_model, urdf, text, pin.GeometryType.COLLISION)
+        shapes = build_shapes(model, urdf, text, pin.GeometryType.COLLISION)
     return shapes
 
 
@@ -40,25 +42,39 @@ def draw_robot(node: Any, biped: FrontalBiped, colour: Colour | None = None) -> 
         biped: the robot.
         colour: of all its shapes; None: the URDF's.
     """
+    if not draw_shapes(node, biped.robot, biped.spatial_model, list(biped.spatial_model.names), colour):
+        _draw_plain_robot(node, biped, colour)
+
+
+def draw_shapes(node: Any, robot: Robot, model: pin.Model, paths: Sequence[str], colour: Colour | None = None) -> bool:
+    """Put the shapes of a robot's URDF below the nodes of its bodies.
+
+    Args:
+        node: of a MeshCat visualizer.
+        robot: the robot.
+        model: of it, perhaps with joints locked.
+        paths: below ``node``, where the body of each joint of ``model`` hangs.
+        colour: of all its shapes; None: the URDF's.
+
+    Returns:
+        False, and nothing is drawn, where the URDF has no shapes or a mesh of it is not found; the latter is logged.
+    """
     from pinocchio.visualize import MeshcatVisualizer
 
     class BodyVisualizer(MeshcatVisualizer):  # type: ignore[misc]
         """Pinocchio's shape loader, filing each shape under the body that carries it."""
 
         def getViewerNodeName(self, geometry_object: pin.GeometryObject, geometry_type: pin.GeometryType) -> str:
-            body: str = self.model.names[geometry_object.parentJoint]
-            return f"{body}/{geometry_object.name}"
+            return f"{paths[geometry_object.parentJoint]}/{geometry_object.name}"
 
     try:
-        shapes = visual_model(biped)
+        shapes = visual_model(robot, model)
     except RobotError as error:
-        _log.warning("frontal-biped: warning: %s; %s is drawn with bars instead", error, biped.name)
-        _draw_plain_robot(node, biped, colour)
-        return
+        _log.warning("frontal-biped: warning: %s; %s is drawn with bars instead", error, robot.name)
+        return False
     if not shapes.ngeoms:
-        _draw_plain_robot(node, biped, colour)
-        return
-    loader = BodyVisualizer(biped.spatial_model, None, shapes)
+        return False
+    loader = BodyVisualizer(model, None, shapes)
     loader.initViewer(viewer=node)
     for shape in shapes.geometryObjects:
         if is_mesh(shape):
@@ -69,6 +85,7 @@ def draw_robot(node: Any, biped: FrontalBiped, colour: Colour | None = None) -> 
         node[loader.getViewerNodeName(shape, pin.GeometryType.VISUAL)].set_transform(placement @ scale)
     for shape, vertices, faces in light_meshes(shapes):
         draw_mesh(node[loader.getViewerNodeName(shape, pin.GeometryType.VISUAL)], shape, vertices, faces, colour)
+    return True
 
 
 def _draw_plain_robot(node: Any, biped: FrontalBiped, override: Colour | None) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.trajectory import Trajectory
@@ -18,6 +19,7 @@ from frontal_biped.simulation.world import FEET, WorldMotion, drawable, frame_ti
 from frontal_biped.viewer.markers import COM, CONTACT, draw_markers, draw_traces, swing_traces
 from frontal_biped.viewer.placements import at, from_y_axis
 from frontal_biped.viewer.robot_shapes import Colour, draw_robot
+from frontal_biped.viewer.tracks import REPETITIONS, add_track, clip_of
 
 GROUND, FIRST, GHOST, SECOND = "ground", "first", "ghost", "second"
 """Top nodes below ``/meshcat``: the ground; the run; its desired posture; a second run."""
@@ -27,7 +29,8 @@ ROBOT = "robot"
 
 GHOST_COLOUR: Colour = (0.36, 0.25, 0.75, 0.38)
 
-REPETITIONS = 1_000_000  # MeshCat plays once unless told otherwise
+ABOVE = 1.15
+"""The top of a robot is about so much higher than the origin of its highest body."""
 
 FLOOR, GLOW, LINE = 0xE4E9EF, 0x565A60, 0xAAB4C2
 
@@ -96,14 +99,13 @@ def cast(
 
 
 def draw_room(visualizer: Any) -> None:
-    """Put background, light and ground into an empty scene."""
+    """Put background and light into an empty scene."""
     for node in ("/Grid", "/Axes"):
         visualizer[node].set_property("visible", False)
     visualizer["/Background"].set_property("top_color", [0.80, 0.87, 0.94])
     visualizer["/Background"].set_property("bottom_color", [0.97, 0.98, 0.99])
     visualizer["/Cameras/default/rotated/<object>"].set_property("fov", 36.0)
     _light(visualizer)
-    _draw_ground(visualizer[GROUND])
 
 
 def draw_scene(visualizer: Any, actors: Sequence[Actor]) -> None:
@@ -114,6 +116,7 @@ def draw_scene(visualizer: Any, actors: Sequence[Actor]) -> None:
         actors: the robots, see `cast`.
     """
     draw_room(visualizer)
+    _draw_ground(visualizer[GROUND])
     for actor in actors:
         place = visualizer[actor.node]
         place.set_transform(at(0.0, actor.shift, 0.0))
@@ -161,7 +164,7 @@ def animate(visualizer: Any, actors: Sequence[Actor], fps: float = 30.0) -> None
         place = visualizer[actor.node]
         motion = world_motion(actor.biped, resample(actor.trajectory, actor.trajectory.t[0] + times))
         for body, poses in _body_poses(actor.biped, motion):
-            _pose_tracks(_clip(animation, place[ROBOT][body], fps), frames, poses)
+            _pose_tracks(clip_of(animation, place[ROBOT][body], fps), frames, poses)
         if actor.marked:
             _animate_markers(animation, place, actor.biped, motion, frames, fps)
     visualizer.set_animation(animation, play=True, repetitions=REPETITIONS)
@@ -192,12 +195,15 @@ def _draw_ground(node: Any) -> None:
 def _size(biped: FrontalBiped) -> float:
     """Half of about how much there is to see: to the hips, or half-way to the top of the head [m]."""
     model, data = biped.spatial_model, biped.spatial_model.createData()
-    pin.forwardKinematics(model, data, biped.spatial_reference)
-    pin.updateFramePlacements(model, data)
+    top = highest_body(model, data, biped.spatial_reference)
     ankle = data.oMi[model.getJointId(biped.stance_map.joint_names[0])].translation[2]
-    highest = max(data.oMf[i].translation[2] for i, f in enumerate(model.frames) if f.type == pin.FrameType.BODY)
-    top = 1.15 * float(highest - ankle + biped.ankle_height)
-    return max(float(biped.chain.joints[1, 1]), 0.5 * top)
+    return max(float(biped.chain.joints[1, 1]), 0.5 * ABOVE * float(top - ankle + biped.ankle_height))
+
+
+def highest_body(model: pin.Model, data: pin.Data, q: FloatArray) -> float:
+    """Height of the origin of the highest body at a configuration (nq,) [m]; leaves the placements in ``data``."""
+    pin.framesForwardKinematics(model, data, q)
+    return max(float(data.oMf[i].translation[2]) for i, f in enumerate(model.frames) if f.type == pin.FrameType.BODY)
 
 
 def _reach(actor: Actor) -> tuple[float, float]:
@@ -223,20 +229,20 @@ def _body_poses(biped: FrontalBiped, motion: WorldMotion) -> Iterator[tuple[str,
 def _animate_markers(
     animation: Any, place: Any, biped: FrontalBiped, motion: WorldMotion, frames: list[float], fps: float
 ) -> None:
-    com = _clip(animation, place[COM], fps)
-    _track(com, "position", "vector3", frames, motion.com.tolist())
-    plumb = _clip(animation, place[COM]["plumb"], fps)  # stretched down to the ground
-    _track(plumb, "scale", "vector3", frames, [[1.0, 1.0, float(z)] for z in motion.com[:, 2]])
+    com = clip_of(animation, place[COM], fps)
+    add_track(com, "position", "vector3", frames, motion.com.tolist())
+    plumb = clip_of(animation, place[COM]["plumb"], fps)  # stretched down to the ground
+    add_track(plumb, "scale", "vector3", frames, [[1.0, 1.0, float(z)] for z in motion.com[:, 2]])
     weights = np.linalg.norm(motion.force, axis=1) / biped.weight
     for foot in FEET:
         standing = np.array([Stance.of_sign(sign) is foot for sign in motion.stance])
         shown = _hold(standing)  # where the foot swings, its hidden marker waits at its last place
-        contact = _clip(animation, place[CONTACT][foot.value], fps)
-        _track(contact, "visible", "bool", frames, standing.tolist())
-        _track(contact, "position", "vector3", frames, motion.fri[shown].tolist())
-        arrow = _clip(animation, place[CONTACT][foot.value]["force"], fps)
-        _track(arrow, "quaternion", "quaternion", frames, [from_y_axis(f) for f in motion.force[shown]])
-        _track(arrow, "scale", "vector3", frames, [[1.0, max(float(w), 1e-3), 1.0] for w in weights[shown]])
+        contact = clip_of(animation, place[CONTACT][foot.value], fps)
+        add_track(contact, "visible", "bool", frames, standing.tolist())
+        add_track(contact, "position", "vector3", frames, motion.fri[shown].tolist())
+        arrow = clip_of(animation, place[CONTACT][foot.value]["force"], fps)
+        add_track(arrow, "quaternion", "quaternion", frames, [from_y_axis(f) for f in motion.force[shown]])
+        add_track(arrow, "scale", "vector3", frames, [[1.0, max(float(w), 1e-3), 1.0] for w in weights[shown]])
 
 
 def _hold(active: np.ndarray[Any, np.dtype[np.bool_]]) -> np.ndarray[Any, np.dtype[np.intp]]:
@@ -248,18 +254,6 @@ def _hold(active: np.ndarray[Any, np.dtype[np.bool_]]) -> np.ndarray[Any, np.dty
 
 
 def _pose_tracks(clip: Any, frames: list[float], poses: list[pin.SE3]) -> None:
-    _track(clip, "position", "vector3", frames, [pose.translation.tolist() for pose in poses])
+    add_track(clip, "position", "vector3", frames, [pose.translation.tolist() for pose in poses])
     quaternions = [pin.Quaternion(pose.rotation).coeffs().tolist() for pose in poses]
-    _track(clip, "quaternion", "quaternion", frames, quaternions)
-
-
-def _clip(animation: Any, node: Any, fps: float) -> Any:
-    from meshcat.animation import AnimationClip
-
-    return animation.clips.setdefault(node.path, AnimationClip(fps=float(fps)))
-
-
-def _track(clip: Any, name: str, kind: str, frames: list[float], values: list[Any]) -> None:
-    from meshcat.animation import AnimationTrack
-
-    clip.tracks[name] = AnimationTrack(name, kind, frames=list(frames), values=values)
+    add_track(clip, "quaternion", "quaternion", frames, quaternions)

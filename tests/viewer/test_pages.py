@@ -50,7 +50,7 @@ def clips(commands):
 
 def test_scene_names_its_nodes(biped, commands):
     drawn = {command["path"] for command in commands if command["type"] == "set_object"}
-    for shape in visual_model(biped).geometryObjects:
+    for shape in visual_model(biped.robot, biped.spatial_model).geometryObjects:
         body = biped.spatial_model.names[shape.parentJoint]
         assert f"/meshcat/first/robot/{body}/{shape.name}" in drawn
     for name in ("contact/left/fri", "contact/right/force/head", "centre_of_mass/marker", "trace/step_3"):
@@ -276,7 +276,7 @@ def test_recorder_keeps_the_latest_and_deletes_below():
 
 
 def test_a_robot_without_shapes_is_drawn_as_bars(raised_ankle, orbit):
-    assert visual_model(raised_ankle).ngeoms == 0
+    assert visual_model(raised_ankle.robot, raised_ankle.spatial_model).ngeoms == 0
     drawn = {c["path"] for c in recorded_scene(cast(raised_ankle, orbit)).commands if c["type"] == "set_object"}
     assert {"/meshcat/first/robot/left_hip/leg", "/meshcat/first/robot/right_ankle/foot"} <= drawn
 
@@ -289,4 +289,4 @@ def test_missing_mesh_is_named(biped, tmp_path):
 
     meshy = FrontalBiped(Robot.of(replace(biped.description, urdf=urdf)))
     with pytest.raises(RobotError, match=r"meshy\.urdf.*nowhere"):
-        visual_model(meshy)
+        visual_model(meshy.robot, meshy.spatial_model)

@@ -80,7 +80,7 @@ def test_a_cube_keeps_its_edges_and_a_sphere_has_none():
 @pytest.mark.parametrize("name", ["talos_full", "g1"])
 def test_the_page_shows_the_robots_own_body(name):
     robot = load_robot(name)
-    shapes = visual_model(robot)
+    shapes = visual_model(robot.robot, robot.spatial_model)
     heavy = sum(shape.geometry.num_tris for shape in shapes.geometryObjects if is_mesh(shape))
     light = {shape.name: (vertices, faces) for shape, vertices, faces in light_meshes(shapes)}
     assert sum(len(faces) for _, faces in light.values()) <= MOST_TRIANGLES < heavy
@@ -107,7 +107,7 @@ def test_shapes_are_where_the_urdf_has_them():
     pin.forwardKinematics(model, data, robot.spatial_reference)
     ankle = model.getJointId(robot.stance_map.joint_names[0])
     lowest = np.inf
-    for shape, vertices, _ in light_meshes(visual_model(robot)):
+    for shape, vertices, _ in light_meshes(visual_model(robot.robot, robot.spatial_model)):
         if shape.parentJoint == ankle:
             matrix = data.oMi[ankle].homogeneous @ placed[f"/meshcat/first/robot/{model.names[ankle]}/{shape.name}"]
             lowest = min(lowest, float((vertices @ matrix[:3, :3].T + matrix[:3, 3])[:, 2].min()))
@@ -120,7 +120,7 @@ def test_head_and_feet_are_in_the_picture(name):
     model, data = robot.spatial_model, robot.spatial_model.createData()
     pin.forwardKinematics(model, data, robot.spatial_reference)
     heights = []
-    for shape in visual_model(robot).geometryObjects:
+    for shape in visual_model(robot.robot, robot.spatial_model).geometryObjects:
         placement = data.oMi[shape.parentJoint] * shape.placement
         if is_mesh(shape):
             heights.append(mesh_vertices(shape) @ placement.rotation[2] + placement.translation[2])
