@@ -20,8 +20,9 @@ from frontal_biped.control.settings import ControllerSettings, sampled_frequency
 from frontal_biped.control.stabilisers.by_name import make_stabiliser
 from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions, Stabiliser
 from frontal_biped.control.walker.energy_law import EnergyLaw, EnergySettings
+from frontal_biped.control.walker.estimator_gains import EstimatorSettings
 from frontal_biped.control.walker.phase_machine import PhaseMachine, PhaseSettings
-from frontal_biped.control.walker.state_estimator import EstimatorSettings, StateEstimator
+from frontal_biped.control.walker.state_estimator import StateEstimator
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped

@@ -314,7 +314,7 @@ def resting_base(state: SpaceState, stance: Stance) -> FloatArray:
         stance: the foot at rest.
     """
     J = state.feet[stance].J
-    return np.linalg.solve(J[:, :BASE], -J[:, BASE:] @ state.v[BASE:])
+    return np.asarray(np.linalg.solve(J[:, :BASE], -J[:, BASE:] @ state.v[BASE:]), dtype=np.float64)
 
 
 def _about_z(angle: float) -> FloatArray:
