@@ -36,7 +36,7 @@ class FrontalSettings:
     """
 
     energy: EnergySettings | None = field(default_factory=EnergySettings)
-    learning: float = 0.3
+    learning: float = 0.5
     settle: float = 0.03
 
 

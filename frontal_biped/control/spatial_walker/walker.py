@@ -79,7 +79,7 @@ class SpatialWalker:
         if self._on_the_way < 0 or abs(self._on_the_way * period - delay) > 1e-6 * period:
             raise SimulationError(f"a delay of {delay:g} s is no multiple of the period of {period:g} s; make it one")
         self.settings = settings or WholeBodySettings()
-        self.program = WholeBodyProgram(free, self.settings, period)
+        self.program = WholeBodyProgram(free, self.settings)
         self.state = SpaceState(free)
         self.estimator = SpatialEstimator(free, period, estimator)
         self.phases = PhaseMachine(period, phases)

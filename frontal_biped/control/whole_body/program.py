@@ -16,28 +16,34 @@ import numpy as np
 from scipy.linalg.lapack import dgesv
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.whole_body.limits import CONTACT, LOADED, UNLIMITED, Bounds, MotionLimits, contact_rows
 from frontal_biped.control.whole_body.settings import WholeBodySettings
 from frontal_biped.control.whole_body.targets import NOTHING, WholeBodySolution, WholeBodyTargets
 from frontal_biped.control.whole_body.tasks import (
     COP,
-    FOOT,
     FRI,
     LEGS,
-    LENGTHS,
     NATURE,
-    OUTPUTS,
-    PELVIS,
-    SWING,
     WRENCH,
+    Rows,
     TaskRows,
+    weights,
 )
 from frontal_biped.model.space.free_robot import BASE, FreeRobot
 from frontal_biped.model.space.virtual_legs import SpaceState
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.numerics.quadratic_program import UNBOUNDED, ProxQpSolver, QuadraticProgram
 
-CONTACT = 11
-KEPT = 1e-9
+ACCELERATION = 100.0
+"""Unit of accelerations in the program's rows [rad/s^2]: one absolute tolerance fits all."""
+
+ACCURACY, ITERATIONS = 1e-8, 100
+
+STANDING = 1e3
+"""Weight of the foot's standing where it is a target, against that of the outputs [-]."""
+
+GIVEN_WAY = "joint ranges and speeds, standing foot"
+HELD = "everything: the last torques are held"
 
 
 class WholeBodyProgram:
@@ -46,35 +52,45 @@ class WholeBodyProgram:
     Args:
         free: the robot.
         settings: gains, limits and weights.
-        period: time for which torques act [s].
+
+    Attributes:
+        counts: ticks by how they were answered: by the linear system, by the program, by the program with limits that
+            gave way, by the last answer held.
     """
 
-    def __init__(self, free: FreeRobot, settings: WholeBodySettings, period: float = 1e-3) -> None:
-        self.free, self.settings, self.period = free, settings, period
+    def __init__(self, free: FreeRobot, settings: WholeBodySettings) -> None:
+        self.free, self.settings = free, settings
         self.rows = TaskRows(free, settings)
         n = len(free.joint_names)
         self._n, self._nv = n, BASE + n
         size = self._nv + WRENCH
+        # accelerations in rad/s^2, forces in weights, moments in weights times a tenth of a metre
         self._scale = np.ones(size)
         self._scale[self._nv :] = free.weight
         self._scale[self._nv + 3 :] *= 0.1
-        limits = free.limits
-        effort = np.where(np.isfinite(limits.effort), limits.effort, UNBOUNDED)
-        self._effort = settings.torque_share * effort
-        self._contact = {side: self._contact_rows(side) for side in Stance}
+        self._effort = settings.torque_share * np.minimum(free.limits.effort, UNLIMITED)
+        self._motion = MotionLimits(free, settings)
+        self._contact = {side: contact_rows(free, side, settings) for side in Stance}
+        self._floor = np.zeros(CONTACT)
+        self._floor[LOADED] = settings.min_normal_force * free.weight
+
+        # of the linear system: joints outside the legs are given, one row each
+        self._outside = BASE + self.rows.outside
+        self._core = np.setdiff1d(np.arange(size), self._outside)
+        self._K = np.zeros((NATURE + LEGS, len(self._core)))
+        self._x = np.zeros(size)
+        self._square = len(self._core) == NATURE + LEGS
+
         k = CONTACT + 2 * n
         self._C = np.zeros((k, size))
         self._l, self._u = np.zeros(k), np.full(k, UNBOUNDED)
-        self._torque = slice(CONTACT, CONTACT + n)
-        self._motion = slice(CONTACT + n, k)
-        self._C[self._motion, BASE : self._nv] = np.eye(n)
-        tasks = LEGS + len(self.rows.outside)
-        weight = np.full(tasks, 0.01)
-        weight[OUTPUTS], weight[FRI], weight[COP], weight[LENGTHS] = 1.0, 1.0, 0.5, 1.0
-        weight[PELVIS], weight[SWING], weight[FOOT] = 0.3, 0.3, 0.3
-        self._weight = weight
-        self._solver = ProxQpSolver(accuracy=1e-8, max_iterations=100)
-        self._relaxed = ProxQpSolver(accuracy=1e-6, max_iterations=100)
+        self._torque_rows, self._motion_rows = slice(CONTACT, CONTACT + n), slice(CONTACT + n, k)
+        self._C[self._motion_rows, BASE : self._nv] = np.eye(n) / ACCELERATION
+        self._weight = weights(self.rows, settings)
+        self._weight[[FRI, COP]] /= free.weight * 0.01  # of a moment, in the weight times a centimetre
+        self._A = np.zeros((NATURE + LEGS + len(self._outside), size))
+        self._solver = ProxQpSolver(accuracy=ACCURACY, max_iterations=ITERATIONS)
+        self._relaxed = ProxQpSolver(accuracy=ACCURACY, max_iterations=ITERATIONS)
         self.reset()
 
     def reset(self) -> None:
@@ -82,113 +98,98 @@ class WholeBodyProgram:
         self._last = NOTHING
         self.counts = {"linear": 0, "program": 0, "relaxed": 0, "held": 0}
 
-    def _contact_rows(self, side: Stance) -> FloatArray:
-        """(11, 6) rows, times the wrench at least zero."""
-        s = self.settings
-        left, right = self.free.soles
-        sole = left if side is Stance.LEFT else right
-        front, back = s.sole_share * sole.front, s.sole_share * sole.back
-        out, inn = s.sole_share * sole.outer, s.sole_share * sole.inner
-        low, high = (-inn, out) if side is Stance.LEFT else (-out, inn)
-        mu = s.friction / np.sqrt(2.0)
-        # a quarter of the contact patch's length and width is the mean arm of friction; the rest is spent on the CoP
-        arm = 0.5 * s.friction * 0.5 * (sole.length + sole.width) * 0.5
-        C = np.zeros((CONTACT, WRENCH))
-        for i, axis in enumerate((0, 1)):
-            C[2 * i, [axis, 2]] = 1.0, mu
-            C[2 * i + 1, [axis, 2]] = -1.0, mu
-        C[4, [3, 2]] = 1.0, -low  # y F_z = M_x
-        C[5, [3, 2]] = -1.0, high
-        C[6, [4, 2]] = 1.0, front  # -x F_z = M_y
-        C[7, [4, 2]] = -1.0, back
-        C[8, [5, 2]] = 1.0, arm
-        C[9, [5, 2]] = -1.0, arm
-        C[10, 2] = 1.0
-        return C
-
     def solve(self, state: SpaceState, targets: WholeBodyTargets) -> WholeBodySolution:
         """The torques at a state."""
-        n, nv = self._n, self._nv
         rows = self.rows.write(state, targets)
-        foot = state.feet[targets.stance]
-        M, h, J = state.M[BASE:], state.bias[BASE:], foot.J[:, BASE:]
-        low, high = self._motion_limits(state)
-        contact = self._contact[targets.stance]
-        floor = np.zeros(CONTACT)
-        floor[10] = self.settings.min_normal_force * self.free.weight
-        square = rows.A.shape[0] == rows.A.shape[1]
-        if square:
-            _, _, x, singular = dgesv(rows.A, rows.b)
-            if not singular:
-                dv, w = x[:nv], x[nv:]
-                tau = M @ dv + h - J.T @ w
-                if (
-                    np.all(np.abs(tau) <= self._effort)
-                    and np.all(contact @ w >= floor)
-                    and np.all(dv[BASE:] <= high)
-                    and np.all(dv[BASE:] >= low)
-                ):
-                    self.counts["linear"] += 1
-                    self._last = WholeBodySolution(tau, dv, w, True)
-                    return self._last
-        scale = self._scale
-        A = rows.A * scale
+        bounds = self._motion.at(state)
+        solution = self._linear(rows, state, targets.stance, bounds)
+        if solution is None:
+            solution = self._programmed(rows, state, targets.stance, bounds)
+        self._last = solution
+        return solution
+
+    # ------------------------------------------------------------------ no limit active
+    def _linear(self, rows: Rows, state: SpaceState, stance: Stance, bounds: Bounds) -> WholeBodySolution | None:
+        """The solution of the rows alone, if it keeps every limit."""
+        if not self._square:
+            return None
+        x, core, count = self._x, self._core, NATURE + LEGS
+        x[self._outside] = rows.b[count:]
+        np.take(rows.A[:count], core, axis=1, out=self._K, mode="clip")
+        given = rows.A[:count, self._outside] @ rows.b[count:]
+        _, _, solved, singular = dgesv(self._K, rows.b[:count] - given)
+        if singular:
+            return None
+        x[core] = solved
+        dv, w = x[: self._nv].copy(), x[self._nv :].copy()
+        tau = self._torques(state, stance, dv, w)
+        joints = dv[BASE:]
+        kept = (
+            (np.abs(tau) <= self._effort).all()
+            and (self._contact[stance] @ w >= self._floor).all()
+            and (joints <= bounds.upper).all()
+            and (joints >= bounds.lower).all()
+        )
+        if not kept:
+            return None
+        self.counts["linear"] += 1
+        return WholeBodySolution(tau, dv, w, True)
+
+    def _torques(self, state: SpaceState, stance: Stance, dv: FloatArray, w: FloatArray) -> FloatArray:
+        tau: FloatArray = state.M[BASE:] @ dv
+        tau += state.bias[BASE:]
+        tau -= w @ state.feet[stance].J[:, BASE:]
+        return tau
+
+    # ------------------------------------------------------------------ limits active
+    def pose(self, rows: Rows, state: SpaceState, stance: Stance, bounds: Bounds) -> QuadraticProgram:
+        """The program in scaled variables; its arrays are overwritten by the next call."""
+        nv, scale, A = self._nv, self._scale, self._A
+        np.multiply(rows.A, scale, out=A)
         T, t = A[NATURE:] * self._weight[:, None], rows.b[NATURE:] * self._weight
-        # rows of forces in units of the weight
-        unit = 1.0 / self.free.weight
-        T[[FRI, COP]] *= 10.0 * unit * 10.0
-        C, l, u = self._C, self._l, self._u
-        C[:CONTACT, nv:] = contact * scale[nv:] * unit
-        l[:CONTACT] = floor * unit
-        span = np.minimum(self._effort, 1e6)
-        C[self._torque, :nv] = M / span[:, None]
-        C[self._torque, nv:] = -J.T * scale[nv:] / span[:, None]
-        l[self._torque] = (-self._effort - h) / span
-        u[self._torque] = (self._effort - h) / span
-        C[self._motion, BASE:nv] = np.eye(n) * 0.01
-        l[self._motion], u[self._motion] = np.maximum(low * 0.01, -UNBOUNDED), np.minimum(high * 0.01, UNBOUNDED)
-        nature = A[:NATURE].copy()
-        b = rows.b[:NATURE].copy()
-        nature[:BASE] *= unit
-        b[:BASE] *= unit
+        nature, b = A[:NATURE], rows.b[:NATURE].copy()
+        nature[:BASE] /= self.free.weight
+        b[:BASE] /= self.free.weight
+        nature[BASE:] /= ACCELERATION
+        b[BASE:] /= ACCELERATION
+        C, l, u, effort = self._C, self._l, self._u, self._effort
+        J, h = state.feet[stance].J[:, BASE:], state.bias[BASE:]
+        C[:CONTACT, nv:] = self._contact[stance] * (scale[nv:] / self.free.weight)
+        l[:CONTACT] = self._floor / self.free.weight
+        torque, motion = self._torque_rows, self._motion_rows
+        np.divide(state.M[BASE:], effort[:, None], out=C[torque, :nv])
+        C[torque, nv:] = -J.T * scale[nv:] / effort[:, None]
+        l[torque], u[torque] = -1.0 - h / effort, 1.0 - h / effort
+        np.clip(bounds.lower / ACCELERATION, -UNBOUNDED, UNBOUNDED, out=l[motion])
+        np.clip(bounds.upper / ACCELERATION, -UNBOUNDED, UNBOUNDED, out=u[motion])
         H, g = T.T @ T, -(t @ T)
-        H[np.diag_indices(len(H))] += 1e-8
-        qp = QuadraticProgram(H, g, nature, b, C, l, u)
+        return QuadraticProgram(H, g, nature, b, C, l, u)
+
+    def _programmed(self, rows: Rows, state: SpaceState, stance: Stance, bounds: Bounds) -> WholeBodySolution:
+        qp = self.pose(rows, state, stance, bounds)
         answer = self._solver.solve(qp)
         if answer.solved:
             self.counts["program"] += 1
-            self._last = self._solution(answer.x * scale, M, h, J, True, "")
-            return self._last
-        # the standing foot and the joints' motion give way
-        heavy = 30.0
-        S, s = A[BASE:NATURE] * heavy, rows.b[BASE:NATURE] * heavy
-        H, g = H + S.T @ S, g - s @ S
-        k = self._motion.start
-        qp = QuadraticProgram(H, g, nature[:BASE], b[:BASE], C[:k], l[:k], u[:k])
+            return self._solution(answer.x, state, stance, True, "")
+        qp = self.relaxed(qp)
         answer = self._relaxed.solve(qp)
-        if np.all(np.isfinite(answer.x)) and answer.solved:
+        if answer.solved:
             self.counts["relaxed"] += 1
-            self._last = self._solution(answer.x * scale, M, h, J, False, "joint ranges and speeds, standing foot")
-            return self._last
+            return self._solution(answer.x, state, stance, False, GIVEN_WAY)
         self.counts["held"] += 1
-        return self._last
+        tau = self._last.tau if len(self._last.tau) else np.zeros(self._n)
+        return WholeBodySolution(tau, np.zeros(self._nv), self._last.wrench, False, HELD)
+
+    def relaxed(self, qp: QuadraticProgram) -> QuadraticProgram:
+        """The same without the joints' motion, and the foot's standing a target: it always has a solution."""
+        k = self._motion_rows.start
+        S, s = STANDING * qp.A[BASE:], STANDING * qp.b[BASE:]
+        return QuadraticProgram(qp.H + S.T @ S, qp.g - s @ S, qp.A[:BASE], qp.b[:BASE], qp.C[:k], qp.l[:k], qp.u[:k])
 
     def _solution(
-        self, x: FloatArray, M: FloatArray, h: FloatArray, J: FloatArray, solved: bool, given: str
+        self, scaled: FloatArray, state: SpaceState, stance: Stance, solved: bool, given_way: str
     ) -> WholeBodySolution:
+        x = scaled * self._scale
         dv, w = x[: self._nv], x[self._nv :]
-        tau = M @ dv + h - J.T @ w
-        return WholeBodySolution(np.clip(tau, -self._effort, self._effort), dv, w, solved, given)
-
-    def _motion_limits(self, state: SpaceState) -> tuple[FloatArray, FloatArray]:
-        """Accelerations (n,) that keep ranges and speeds."""
-        s, limits = self.settings, self.free.limits
-        q, v = state.q[BASE + 1 :], state.v[BASE:]
-        rate = 30.0  # limits are approached no faster than at this rate [1/s]
-        speed = s.speed_share * limits.velocity
-        high = rate * (speed - v)
-        low = rate * (-speed - v)
-        # second-order barrier: dv >= -(a + b) v - a b (q - lower)
-        high = np.minimum(high, rate**2 * (limits.upper - s.range_margin - q) - 2.0 * rate * v)
-        low = np.maximum(low, rate**2 * (limits.lower + s.range_margin - q) - 2.0 * rate * v)
-        return np.minimum(low, high), np.maximum(low, high)
+        tau = self._torques(state, stance, dv, w)
+        return WholeBodySolution(np.clip(tau, -self._effort, self._effort), dv, w, solved, given_way)

@@ -23,6 +23,7 @@ class WholeBodySettings:
         torque_share: share of the torque limits that may be used.
         speed_share: share of the joints' largest speed that may be used.
         range_margin: kept from the ends of the joints' ranges [rad].
+        limit_rate: at which a joint may approach the end of its range or its speed [1/s].
     """
 
     output: float = 60.0
@@ -38,3 +39,4 @@ class WholeBodySettings:
     torque_share: float = 1.0
     speed_share: float = 0.95
     range_margin: float = 0.01
+    limit_rate: float = 50.0

@@ -134,3 +134,11 @@ class TaskRows:
 def _held(frequency: float, softness: float, error: FloatArray, rate: FloatArray) -> FloatArray:
     """Acceleration of a critically damped return to zero."""
     return -softness * (frequency**2 * error + 2.0 * frequency * rate)
+
+
+def weights(rows: TaskRows, settings: WholeBodySettings) -> FloatArray:
+    """(12 + outside,) what a unit of each asked-for row is worth, when not all can be had [-]."""
+    worth = np.full(LEGS + len(rows.outside), 0.01)
+    worth[OUTPUTS] = worth[LENGTHS] = worth[FRI] = 1.0
+    worth[COP], worth[PELVIS], worth[SWING], worth[FOOT] = 0.5, 0.3, 0.3, 0.3
+    return worth
