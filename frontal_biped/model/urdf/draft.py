@@ -1,0 +1,155 @@
+"""What proposals of descriptions are made of: reach, soles, reduction, numbers as a file has them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from frontal_biped.exceptions import HypothesisError, RobotError
+from frontal_biped.model.robot import Robot
+from frontal_biped.model.urdf.description import RobotDescription, Sole
+from frontal_biped.model.urdf.legs import Legs, find_legs
+from frontal_biped.model.urdf.packages import EXAMPLE_ROBOT_DATA, example_robot_data_dir
+from frontal_biped.model.urdf.reduction import FrontalReduction, reduce_to_frontal_plane
+from frontal_biped.model.urdf.soles import MeasuredSole, measure_sole
+
+ZERO_ANGLE = 5e-5
+"""Angles [rad] this small are left out of a proposed posture where the joint can be at zero."""
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A description, proposed.
+
+    Attributes:
+        text: the file, with what was found and what not as comments at its head.
+        undecided: what the user must settle before the robot can walk.
+        folder: where the file belongs: its ``urdf`` is relative to it.
+    """
+
+    text: str
+    undecided: tuple[str, ...]
+    folder: Path
+
+
+def legs_of(description: RobotDescription, full: pin.Model) -> Legs:
+    """The robot's legs, if its described joints are theirs.
+
+    Raises:
+        RobotError: no legs are found, or a described joint is of neither, or of the wrong one.
+    """
+    legs = find_legs(full, str(description.urdf))
+    for side, names in (("left", legs.left), ("right", legs.right)):
+        for part in ("hip", "ankle"):
+            joint = description.joints[f"{side}_{part}"]
+            if joint not in names:
+                raise RobotError(
+                    f"{description.path}: [joints] {side}_{part} = {joint!r} is not of the {side} leg:"
+                    f" {', '.join(names)}"
+                )
+    return legs
+
+
+def reachable(full: pin.Model) -> dict[str, float]:
+    """Joints that cannot be at zero, at their nearest limit."""
+    angles = {}
+    for name in full.names[2:]:
+        joint = full.joints[full.getJointId(name)]
+        if joint.nq == 1:
+            low, high = full.lowerPositionLimit[joint.idx_q], full.upperPositionLimit[joint.idx_q]
+            if not low <= 0.0 <= high:
+                angles[name] = float(np.clip(0.0, low, high))
+    return angles
+
+
+def rounded(full: pin.Model, draft: RobotDescription, found: Mapping[str, float]) -> dict[str, float]:
+    """The draft's posture with the angles that were found [rad]."""
+    angles = {name: angle for name, angle in draft.posture.items() if name not in found}
+    for name, angle in found.items():
+        joint = full.joints[full.getJointId(name)]
+        reach = full.lowerPositionLimit[joint.idx_q] <= 0.0 <= full.upperPositionLimit[joint.idx_q]
+        if abs(angle) > ZERO_ANGLE or not reach:
+            angles[name] = round(angle, 9)
+    return angles
+
+
+def rounded_rpy(found: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Roll, pitch, yaw [rad]."""
+    roll, pitch, yaw = (0.0 if abs(angle) <= ZERO_ANGLE else round(angle, 12) for angle in found)
+    return roll, pitch, yaw
+
+
+def measure_left_sole(
+    full: pin.Model,
+    q: Any,
+    draft: RobotDescription,
+    legs: Legs,
+    text: str,
+    x: float | None = None,
+) -> tuple[MeasuredSole | None, str]:
+    """The left foot's sole, with the foot flat; or why there is none."""
+    flat = pin.neutral(full)
+    flat[3:7] = pin.Quaternion(legs.upright).coeffs() if x is None else q[3:7]
+    try:
+        sole = measure_sole(full, flat if x is None else q, draft.joints["left_ankle"], draft.urdf, text, x)
+    except RobotError as error:
+        return None, str(error)
+    return sole, "the foot has neither collision nor visual shapes"
+
+
+def reduce_draft(
+    draft: RobotDescription, full: pin.Model, text: str, comments: dict[str, str], sole_known: bool
+) -> tuple[RobotDescription, list[str]]:
+    """Reduce the draft; average its legs if need be, and give it a gait."""
+    trial = draft if sole_known else replace(draft, sole=Sole(1e-3, 1e-3))
+    problems = []
+    for part, key in (("ankle", "left_ankle"), ("hip", "left_hip")):
+        joint = full.joints[full.getJointId(draft.joints[key])]
+        limit, _ = draft.actuator(key)
+        if limit is None and not full.effortLimit[joint.idx_v] > 0.0:
+            problems.append(f"limits: {draft.joints[key]} has no effort limit; give [limits] {part}_torque")
+            trial = replace(trial, ankle_torque=1.0) if part == "ankle" else replace(trial, hip_torque=1.0)
+    reduction: FrontalReduction | None = None
+    try:
+        reduction = reduce_to_frontal_plane(Robot(trial, text))
+    except HypothesisError as error:
+        if error.hypothesis != "HR3" or trial.symmetrise:
+            problems.append(str(error))
+    if reduction is None and not trial.symmetrise:
+        try:
+            reduction = reduce_to_frontal_plane(Robot(replace(trial, symmetrise=True), text))
+        except HypothesisError as error:
+            if str(error) not in problems:
+                problems.append(str(error))
+        else:
+            draft = replace(draft, symmetrise=True)
+            share = 100.0 * reduction.asymmetry.mass_matrix
+            comments["symmetrise"] = f"the legs differ by {share:.2g} % of the mass matrix"
+    if reduction is not None and not draft.gait:
+        hips = float(np.linalg.norm(reduction.chain.joints[2] - reduction.chain.joints[1]))
+        draft = replace(draft, gait=_gait(hips))
+        comments["gait"] = "used where no specification is given; step_width: 0.8 to 1.8 hip widths"
+    return draft, problems
+
+
+def _gait(hip_width: float) -> dict[str, Any]:
+    return {
+        "degree": 8,
+        "fri_degree": 4,
+        "swing_clearance": 0.008,
+        "step_duration": [0.3, 0.8],
+        "step_width": [round(0.8 * hip_width, 4), round(1.8 * hip_width, 4)],
+        "max_pelvis_roll": 0.1745,
+    }
+
+
+def urdf_key(urdf: Path, folder: Path) -> str:
+    """What a description in a folder says of its URDF."""
+    try:
+        inside = urdf.resolve().relative_to(example_robot_data_dir().resolve())
+    except (ValueError, RobotError):
+        return urdf.relative_to(folder).as_posix()
+    return f"{EXAMPLE_ROBOT_DATA}:{inside.as_posix()}"
