@@ -60,7 +60,7 @@ def simulate_walk(
     chosen = settings or SimulationSettings()
     engine, recorder = RigidEngine(biped, errors, chosen), Recorder()
     pushes = PushForces(chosen.disturbances.pushes)
-    steps = Steps(engine, chosen, pushes, recorder, on_step)
+    steps = Steps(engine, chosen.steps, chosen.landing_heights, pushes, recorder, on_step)
     engine.place(stance, start)
     steps.start(stance)
     told = Told(engine, controller, steps, pushes, recorder)

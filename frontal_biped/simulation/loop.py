@@ -1,21 +1,21 @@
 """The loop of every sampled walk, whatever moves the robot and whatever decides: decide, send, move.
 
-An `Engine` moves the robot: ours (`rigid`), or MuJoCo. A `Pilot` decides: a walker that is shown sensor readings only
-(`sensed`), or a controller that is told state and events (`state_fed`). Control in continuous time
-(`event_driven`) has no periods and no loop; it is what sampled walks are compared with.
+An engine moves the robot: in the plane an `Engine`, ours (`rigid`) or MuJoCo, in space a `SpatialEngine`. A `Pilot`
+decides: a walker that is shown sensor readings only (`sensed`), or a controller that is told state and events
+(`state_fed`). Control in continuous time (`event_driven`) has no periods and no loop; it is what sampled walks are
+compared with.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.stance_map import Stance
-from frontal_biped.simulation.engine import AT_ONCE, Engine, Move
+from frontal_biped.model.state import State
+from frontal_biped.simulation.engine import AT_ONCE, Move
 from frontal_biped.simulation.hybrid_system import EventKind
 from frontal_biped.simulation.motors import Motors
-from frontal_biped.simulation.pushes import PushForces
-from frontal_biped.simulation.recorder import Recorder
-from frontal_biped.simulation.settings import SimulationSettings
+from frontal_biped.simulation.pushes import PushTimes
 from frontal_biped.simulation.trajectory import COMPLETED
 from frontal_biped.virtual_constraints.phase import StepPhase
 
@@ -29,7 +29,7 @@ class Decision(NamedTuple):
     """What a pilot wants for a control period.
 
     Attributes:
-        tau: (4,) joint torques, URDF order [N m].
+        tau: (n,) joint torques, URDF order [N m]; four in the plane.
         drawn_from: see `Motors.send`.
     """
 
@@ -48,13 +48,23 @@ class Pilot(Protocol):
         """Torques from time t [s] on; None where the walk is complete."""
 
     def sent(self, t: float, tau: FloatArray) -> None:
-        """These torques (4,) [N m] act from now on."""
+        """These torques (n,) [N m] act from now on."""
 
     def moved(self, move: Move) -> str | None:
         """The robot has moved; the outcome, if that ends the walk."""
 
 
-def run_sampled(engine: Engine, pilot: Pilot, motors: Motors, pushes: PushForces, period: float) -> str:
+Pushes = TypeVar("Pushes", contravariant=True)
+
+
+class Mover(Protocol[Pushes]):
+    """What of an engine the loop needs."""
+
+    def advance(self, t: float, end: float, tau: FloatArray, pushes: Pushes) -> Move:
+        """Under held joint torques (n,) [N m] from t to ``end`` [s], or to the first event the engine tells of."""
+
+
+def run_sampled(engine: Mover[Pushes], pilot: Pilot, motors: Motors, pushes: Pushes, period: float) -> str:
     """Walk until the pilot is content or the robot has fallen.
 
     Returns:
@@ -79,12 +89,30 @@ def run_sampled(engine: Engine, pilot: Pilot, motors: Motors, pushes: PushForces
             return TIMED_OUT
 
 
+class World(Protocol):
+    """What steps need to know of the robot and to do to its ground."""
+
+    def stance_state(self, stance: Stance) -> State:
+        """The frontal state for a foot taken as the stance foot."""
+
+    def raise_ground(self, stance: Stance, height: float) -> None:
+        """Height of the ground on which a foot in the air will land [m]."""
+
+
+class EventRecorder(Protocol):
+    """Keeps events."""
+
+    def event(self, t: float, kind: EventKind, step: int, state: State) -> None:
+        """Add an event at time t [s], and the state right after it."""
+
+
 class Steps:
     """Steps of a walk as they go by: counts them, and tells pushes and ground.
 
     Args:
-        engine: whose ground is raised.
-        settings: steps to walk, and the heights of their footholds.
+        world: whose ground is raised.
+        wanted: steps to walk.
+        heights: (wanted + 1,) of the ground under their footholds [m].
         pushes: of the run.
         recorder: of the events.
         on_step: called with the number of completed steps.
@@ -96,15 +124,15 @@ class Steps:
 
     def __init__(
         self,
-        engine: Engine,
-        settings: SimulationSettings,
-        pushes: PushForces,
-        recorder: Recorder,
+        world: World,
+        wanted: int,
+        heights: FloatArray,
+        pushes: PushTimes[Any],
+        recorder: EventRecorder,
         on_step: Callable[[int], None] | None,
     ) -> None:
-        self._engine, self._pushes, self._recorder, self._on_step = engine, pushes, recorder, on_step
-        self._wanted = settings.steps
-        self._heights = settings.disturbances.landing_heights(settings.steps + 1)
+        self._world, self._pushes, self._recorder, self._on_step = world, pushes, recorder, on_step
+        self._wanted, self._heights = wanted, heights
         self.count, self.since = 0, 0.0
 
     @property
@@ -114,12 +142,12 @@ class Steps:
 
     def start(self, stance: Stance) -> None:
         """The walk begins right after an impact."""
-        self._recorder.event(0.0, EventKind.IMPACT, -1, self._engine.stance_state(stance))
+        self._recorder.event(0.0, EventKind.IMPACT, -1, self._world.stance_state(stance))
         self._begin(0.0, StepPhase.RISING, stance)
 
     def turn(self, t: float, kind: EventKind, stance: Stance) -> None:
         """The robot reverses at time t [s], or is pushed outwards again."""
-        self._recorder.event(t, kind, self.count, self._engine.stance_state(stance))
+        self._recorder.event(t, kind, self.count, self._world.stance_state(stance))
         self.since = t
         if kind is EventKind.REVERSAL:
             self._pushes.begin(t, self.count, StepPhase.FALLING)
@@ -131,7 +159,7 @@ class Steps:
 
     def fall(self, t: float, kind: EventKind, stance: Stance) -> None:
         """The robot falls at time t [s]."""
-        self._recorder.event(t, kind, self.count, self._engine.stance_state(stance))
+        self._recorder.event(t, kind, self.count, self._world.stance_state(stance))
 
     def announce(self) -> None:
         """Say how many steps are completed."""
@@ -141,5 +169,5 @@ class Steps:
     def _begin(self, t: float, phase: StepPhase, stance: Stance) -> None:
         self.since = t
         if not self.complete:
-            self._engine.raise_ground(stance.other, float(self._heights[self.count]))
+            self._world.raise_ground(stance.other, float(self._heights[self.count]))
         self._pushes.begin(t, self.count, phase)

@@ -21,7 +21,7 @@ class DelayLine:
         self._ticks = ticks
 
     def push(self, commanded: FloatArray) -> FloatArray:
-        """Send this tick's torques (4,) [N m]; returns those that arrive now: at the start, the first ones sent."""
+        """Send this tick's torques (n,) [N m]; returns those that arrive now: at the start, the first ones sent."""
         while len(self._waiting) < self._ticks:
             self._waiting.append(commanded)
         self._waiting.append(commanded)
@@ -29,15 +29,15 @@ class DelayLine:
 
 
 class Motors:
-    """The four motors of a run.
+    """The motors of a run.
 
     Args:
         disturbances: delay, noise and limits of the motors.
         period: control period [s].
-        max_torque: (4,) what no motor exceeds [N m].
+        max_torque: (n,) what no motor exceeds [N m].
 
     Attributes:
-        arriving: (4,) the command that acts since the last tick, as an observer would predict with it [N m].
+        arriving: (n,) the command that acts since the last tick, as an observer would predict with it [N m].
     """
 
     def __init__(self, disturbances: Disturbances, period: float, max_torque: FloatArray) -> None:
@@ -47,12 +47,12 @@ class Motors:
         self.arriving: FloatArray = np.zeros(len(max_torque))
 
     def send(self, tau: FloatArray, drawn_from: Stance = Stance.LEFT) -> FloatArray:
-        """Torques that act from this tick on, (4,) URDF order [N m].
+        """Torques that act from this tick on, (n,) URDF order [N m].
 
         Args:
-            tau: (4,) commanded.
-            drawn_from: the foot whose chain, from stance to swing, the random numbers follow; the left one's is the
-                URDF order.
+            tau: (n,) commanded.
+            drawn_from: the foot whose chain of four, from stance to swing, the random numbers follow; the left one's is
+                the URDF order.
         """
         self.arriving = self._line.push(tau)
         acting = self.arriving

@@ -4,7 +4,7 @@ q, dq, forces and FRI of the recording are the engine's.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field, is_dataclass
+from dataclasses import asdict, is_dataclass
 from typing import Any, TypedDict, Unpack
 
 import numpy as np
@@ -18,6 +18,7 @@ from frontal_biped.model.state import State
 from frontal_biped.simulation.engine import Engine, Move
 from frontal_biped.simulation.hybrid_system import EventKind
 from frontal_biped.simulation.loop import Decision, Steps, run_sampled
+from frontal_biped.simulation.measured import Airborne, StepMeter
 from frontal_biped.simulation.motors import Motors
 from frontal_biped.simulation.pushes import PushForces
 from frontal_biped.simulation.recorder import Recorder
@@ -26,43 +27,10 @@ from frontal_biped.simulation.sensors import Sensors
 from frontal_biped.simulation.settings import PERIOD, SimulationSettings
 from frontal_biped.simulation.trajectory import Trajectory
 
-AIRBORNE = 0.02
-"""Time without contact that makes a foot a swing foot [s]; landings without it are not counted as steps."""
-
-SETTLED = 0.03
-"""Time after a landing before slip and rotation of the foot are measured [s]."""
-
 RINGING = 0.01
 """Time after a landing when the state after the impact is taken [s]: a soft contact has done its work by then."""
 
 _EVENTS = {PhaseEvent.REVERSAL: EventKind.REVERSAL, PhaseEvent.TURNED_OUTWARDS: EventKind.TURNED_OUTWARDS}
-
-
-@dataclass
-class Measured:
-    """What the sampled trajectory does not show, step by step.
-
-    Attributes:
-        slip: largest motion of the stance foot after it has settled [m].
-        rotation: largest rotation of the stance foot from flat after it has settled [rad].
-        double_support: time with both feet on the ground [s].
-        work: of the joint torques, taken without sign [J].
-        effort: integral of the squared torques [N^2 m^2 s].
-    """
-
-    slip: list[float] = field(default_factory=list)
-    rotation: list[float] = field(default_factory=list)
-    double_support: list[float] = field(default_factory=list)
-    work: list[float] = field(default_factory=list)
-    effort: list[float] = field(default_factory=list)
-
-    def summary(self) -> dict[str, dict[str, float]]:
-        """Mean and largest value over the steps."""
-        return {
-            name: {"mean": float(np.mean(values)), "largest": float(np.max(values))}
-            for name, values in asdict(self).items()
-            if values
-        }
 
 
 class Sensed:
@@ -92,15 +60,13 @@ class Sensed:
         self._period = settings.period or PERIOD
         self._every = max(1, round(1.0 / (settings.record_rate * self._period)))
         self._ticks = 0
-        self._airborne = dict.fromkeys(Stance, 0.0)
+        self._airborne, self._meter = Airborne(self._period), StepMeter(self._period)
         self._impact: tuple[float, int, Stance] | None = None  # whose state is still to be taken
-        self.measured = Measured()
-        self._new_step(0.0)
 
     @property
     def since(self) -> float:
         """When the present step began, as the walker believes [s]: one that rocks on the spot is not walking either."""
-        return self._began
+        return self._meter.began
 
     def decide(self, t: float) -> Decision | None:
         """Show the walker what the sensors tell; None after the last landing that it noticed."""
@@ -108,10 +74,9 @@ class Sensed:
         command = self._walker.tick(self._sensors.read(true))
         self.take_impact(t)
         event, stance, steps = command.event, command.stance, self._steps
-        if event is PhaseEvent.LANDING and self._airborne[stance] >= AIRBORNE:
-            self._airborne[stance] = 0.0
-            self._end_step()
-            self._new_step(t)
+        if event is PhaseEvent.LANDING and self._airborne.lands(stance):
+            self._meter.end_step()
+            self._meter.begin_step(t)
             self._impact = (t, steps.count, stance)
             steps.land(t, stance)
             steps.announce()
@@ -119,8 +84,7 @@ class Sensed:
                 return None
         elif event in _EVENTS:
             steps.turn(t, _EVENTS[event], stance)
-        for side, touches in zip(Stance, true.contact, strict=True):
-            self._airborne[side] = self._airborne[side] if touches else self._airborne[side] + self._period
+        self._airborne.watch(true.contact)
         self._command, self._touching, self._rates = command, true.contact, true.joint_velocities
         return Decision(command.joint_torques)
 
@@ -150,7 +114,7 @@ class Sensed:
                 **(asdict(controller) if is_dataclass(controller) and not isinstance(controller, type) else {}),
                 **counters(),
             },
-            "measured": self.measured.summary(),
+            "measured": self._meter.measured.summary(),
         }
 
     # ------------------------------------------------------------------ records
@@ -163,32 +127,12 @@ class Sensed:
             self._recorder.event(began, EventKind.IMPACT, step, self._engine.stance_state(stance))
             self._impact = None
 
-    def _new_step(self, t: float) -> None:
-        self._began = t
-        self._foot: float | None = None
-        self._slip = self._rotation = self._double = self._work = self._effort = 0.0
-
-    def _end_step(self) -> None:
-        measured = self.measured
-        measured.slip.append(self._slip)
-        measured.rotation.append(self._rotation)
-        measured.double_support.append(self._double)
-        measured.work.append(self._work)
-        measured.effort.append(self._effort)
-
     def _measure(self, t: float, tau: FloatArray) -> None:
-        h = self._period
-        self._double += h * all(self._touching)
         assert self._rates is not None  # the engine knows them
-        self._work += h * float(np.abs(tau) @ np.abs(self._rates))
-        self._effort += h * float(tau @ tau)
-        if t - self._began < SETTLED or all(self._touching):
-            return
-        y, rotation = self._engine.foot_position(self._command.stance)
-        if self._foot is None:
-            self._foot = y
-        self._slip = max(self._slip, abs(y - self._foot))
-        self._rotation = max(self._rotation, abs(rotation))
+        self._meter.drive(tau, self._rates)
+        if self._meter.stands(t, self._touching):
+            y, rotation = self._engine.foot_position(self._command.stance)
+            self._meter.foot(np.array([y]), rotation)
 
     def _sample(self, t: float, command: WalkerCommand, tau: FloatArray) -> None:
         stance = command.stance
@@ -247,7 +191,7 @@ def walk_in(
     period = settings.period or PERIOD
     stance = options.get("stance", Stance.LEFT)
     recorder, pushes = Recorder(), PushForces(settings.disturbances.pushes)
-    steps = Steps(engine, settings, pushes, recorder, options.get("on_step"))
+    steps = Steps(engine, settings.steps, settings.landing_heights, pushes, recorder, options.get("on_step"))
     engine.place(stance, start)
     walker.reset(stance, *start)
     steps.start(stance)

@@ -17,18 +17,22 @@ class Sensors:
 
     Args:
         disturbances: of the run.
+
+    Attributes:
+        disturbances: of the run.
+        generator: of the noise.
     """
 
     def __init__(self, disturbances: Disturbances) -> None:
         self.disturbances = disturbances
-        self._generator = disturbances.generator("sensors")
+        self.generator = disturbances.generator("sensors")
 
     def joints(self, positions: FloatArray) -> FloatArray:
-        """Readings of joint angles, (4,) each [rad]: noise, then the steps of the encoder."""
+        """Readings of joint angles, (n,) each [rad]: noise, then the steps of the encoder."""
         d = self.disturbances
         read = positions
         if d.encoder_noise:
-            read = read + d.encoder_noise * self._generator.standard_normal(len(positions))
+            read = read + d.encoder_noise * self.generator.standard_normal(len(positions))
         if d.quantisation:
             read = d.quantisation * np.round(read / d.quantisation)
         return read
@@ -39,9 +43,9 @@ class Sensors:
         joints = self.joints(true.joint_positions)
         base_roll, base_roll_rate = true.base_roll, true.base_roll_rate
         if d.imu_noise:
-            base_roll += d.imu_noise * float(self._generator.standard_normal())
+            base_roll += d.imu_noise * float(self.generator.standard_normal())
         if d.gyro_noise:
-            base_roll_rate += d.gyro_noise * float(self._generator.standard_normal())
+            base_roll_rate += d.gyro_noise * float(self.generator.standard_normal())
         velocities = None if d.noisy_sensors else true.joint_velocities
         return Reading(true.time, joints, velocities, base_roll, base_roll_rate, true.contact)
 

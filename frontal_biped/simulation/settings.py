@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.simulation.disturbances import Disturbances
 from frontal_biped.simulation.hybrid_system import FLAT_LANDING
@@ -44,3 +45,8 @@ class SimulationSettings:
             raise SimulationError(f"period = {self.period!r} s is not positive; None for continuous control")
         if self.disturbances.any and self.period is None:
             raise SimulationError("disturbances act on sampled control; give a control period")
+
+    @property
+    def landing_heights(self) -> FloatArray:
+        """(steps + 1,) heights of the ground under the footholds [m]."""
+        return self.disturbances.landing_heights(self.steps + 1)

@@ -1,0 +1,116 @@
+"""What a sampled walk is measured by between two landings, on the plane or in space."""
+
+from dataclasses import asdict, dataclass, field
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.model.stance_map import Stance
+
+AIRBORNE = 0.02
+"""Time without contact that makes a foot a swing foot [s]; landings without it are not counted as steps."""
+
+SETTLED = 0.03
+"""Time after a landing before slip and rotation of the foot are measured [s]."""
+
+
+@dataclass
+class Measured:
+    """What the sampled trajectory does not show, step by step.
+
+    Attributes:
+        slip: largest motion of the stance foot after it has settled [m].
+        rotation: largest rotation of the stance foot from flat after it has settled [rad].
+        double_support: time with both feet on the ground [s].
+        work: of the joint torques, taken without sign [J].
+        effort: integral of the squared torques [N^2 m^2 s].
+    """
+
+    slip: list[float] = field(default_factory=list)
+    rotation: list[float] = field(default_factory=list)
+    double_support: list[float] = field(default_factory=list)
+    work: list[float] = field(default_factory=list)
+    effort: list[float] = field(default_factory=list)
+
+    def summary(self) -> dict[str, dict[str, float]]:
+        """Mean and largest value over the steps."""
+        return {
+            name: {"mean": float(np.mean(values)), "largest": float(np.max(values))}
+            for name, values in asdict(self).items()
+            if values
+        }
+
+
+class StepMeter:
+    """Measures a walk step by step.
+
+    Args:
+        period: control period [s].
+
+    Attributes:
+        measured: of the steps that are complete.
+        began: when the present step began [s].
+    """
+
+    def __init__(self, period: float) -> None:
+        self._period = period
+        self.measured = Measured()
+        self.begin_step(0.0)
+
+    def begin_step(self, t: float) -> None:
+        """A step begins at time t [s]."""
+        self.began = t
+        self._foot: FloatArray | None = None
+        self._slip = self._rotation = self._double = self._work = self._effort = 0.0
+
+    def end_step(self) -> None:
+        """The step is complete."""
+        measured = self.measured
+        measured.slip.append(self._slip)
+        measured.rotation.append(self._rotation)
+        measured.double_support.append(self._double)
+        measured.work.append(self._work)
+        measured.effort.append(self._effort)
+
+    def drive(self, tau: FloatArray, rates: FloatArray) -> None:
+        """Joint torques (n,) [N m] have acted for a period at rates (n,) [rad/s]."""
+        h = self._period
+        self._work += h * float(np.abs(tau) @ np.abs(rates))
+        self._effort += h * float(tau @ tau)
+
+    def stands(self, t: float, touching: tuple[bool, bool]) -> bool:
+        """Count double support; does the stance foot stand alone and settled at time t [s]?"""
+        self._double += self._period * all(touching)
+        return t - self.began >= SETTLED and not all(touching)
+
+    def foot(self, position: FloatArray, rotation: float) -> None:
+        """A stance foot that stands is at a position on the ground (k,) [m], turned from flat by an angle [rad]."""
+        if self._foot is None:
+            self._foot = position
+        self._slip = max(self._slip, float(np.sqrt(np.sum((position - self._foot) ** 2))))
+        self._rotation = max(self._rotation, abs(rotation))
+
+
+class Airborne:
+    """Tells landings from bounces.
+
+    Args:
+        period: control period [s].
+    """
+
+    def __init__(self, period: float) -> None:
+        self._period = period
+        self._time = dict.fromkeys(Stance, 0.0)
+
+    def lands(self, foot: Stance) -> bool:
+        """A foot is said to have landed: was it in the air for long enough?"""
+        if self._time[foot] < AIRBORNE:
+            return False
+        self._time[foot] = 0.0
+        return True
+
+    def watch(self, touching: tuple[bool, bool]) -> None:
+        """A period passes with the left and the right foot touching the ground or not."""
+        for side, touches in zip(Stance, touching, strict=True):
+            if not touches:
+                self._time[side] += self._period
