@@ -30,7 +30,8 @@ from frontal_biped.simulation.trajectory import Trajectory
 RINGING = 0.01
 """Time after a landing when the state after the impact is taken [s]: a soft contact has done its work by then."""
 
-_EVENTS = {PhaseEvent.REVERSAL: EventKind.REVERSAL, PhaseEvent.TURNED_OUTWARDS: EventKind.TURNED_OUTWARDS}
+EVENTS = {PhaseEvent.REVERSAL: EventKind.REVERSAL, PhaseEvent.TURNED_OUTWARDS: EventKind.TURNED_OUTWARDS}
+"""What a run calls what a walker has noticed."""
 
 
 class Sensed:
@@ -82,8 +83,8 @@ class Sensed:
             steps.announce()
             if steps.complete:
                 return None
-        elif event in _EVENTS:
-            steps.turn(t, _EVENTS[event], stance)
+        elif event in EVENTS:
+            steps.turn(t, EVENTS[event], stance)
         self._airborne.watch(true.contact)
         self._command, self._touching, self._rates = command, true.contact, true.joint_velocities
         return Decision(command.joint_torques)

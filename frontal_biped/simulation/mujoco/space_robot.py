@@ -29,7 +29,7 @@ from frontal_biped.simulation.mujoco.space_model import IndexArray, joint_addres
 from frontal_biped.simulation.mujoco.spec import ContactSettings, floor_of, import_mujoco, sole_of, substeps
 from frontal_biped.simulation.mujoco.walk import CLEAR, DIVERGED, TIPPED
 from frontal_biped.simulation.space.engine import SolePose, SpatialState
-from frontal_biped.simulation.space.pushes import LinkForce, SpatialPushForces
+from frontal_biped.simulation.space.pushes import LinkForce, SpatialPushForces, link_place
 
 SPEED_BAND = 0.1
 """Share of the speed limit over which a motor's torque fades [-]."""
@@ -114,7 +114,7 @@ class SpaceRobot:
         self._band = SPEED_BAND * self._speed
         self._speed_gain = self.model.opt.timestep / _free_inertias(free)
         self._load = _NOTHING
-        self._applied = np.zeros(self.model.nv)
+        self._applied, self._torques = np.zeros(self.model.nv), np.zeros(len(self._v_at))
 
     def _apply(self, errors: SpatialErrors) -> None:
         model, bodies = self.model, self._bodies
@@ -184,26 +184,27 @@ class SpaceRobot:
             body, point = self._point(push.link, push.point)
             mujoco.mj_applyFT(model, data, push.force, np.zeros(3), point, body, applied)
         cut = np.clip(tau, -self._effort, self._effort)
-        size = np.abs(cut)
-        sense, denominator = np.sign(cut), self._band + self._speed_gain * size
+        sense, denominator = np.sign(cut), self._band + self._speed_gain * np.abs(cut)
+        self._torques[:] = 0.0
         for step in range(steps):
             share = (self._speed - sense * data.qvel[self._v_at]) / denominator
+            acting = cut * np.clip(share, 0.0, 1.0)
+            self._torques += acting / steps
             data.qfrc_applied[:] = applied
-            data.qfrc_applied[self._v_at] += cut * np.clip(share, 0.0, 1.0)
+            data.qfrc_applied[self._v_at] += acting
             mujoco.mj_step2(model, data)
             if step == 0:
                 self._load = self._take_load()
             mujoco.mj_step1(model, data)
 
+    def torques(self) -> FloatArray:
+        """(n,) what the motors gave in the last `run`, on average over its steps [N m]."""
+        return self._torques.copy()
+
     def _point(self, link: str, point: FloatArray) -> tuple[int, FloatArray]:
         """MuJoCo's body that a link is part of, and a point of the link in the world (3,) [m]."""
-        model, placement, body = self.free.model, pin.SE3.Identity(), self._root
-        if link:
-            if not model.existFrame(link, pin.FrameType.BODY):
-                raise SimulationError(f"push: {self.free.name} has no link {link!r}; name one of its URDF")
-            frame = model.frames[model.getFrameId(link, pin.FrameType.BODY)]
-            # joint 0 is the universe, 1 the free root
-            body, placement = int(self._bodies[frame.parentJoint - 1]), frame.placement
+        joint, placement = link_place(self.free, link)
+        body = int(self._bodies[joint - 1])
         return body, self.data.xpos[body] + self.data.xmat[body].reshape(3, 3) @ placement.act(point)
 
     # ------------------------------------------------------------------ feet and ground

@@ -61,6 +61,12 @@ def substeps(period: float, timestep: float) -> int:
     return steps
 
 
+def contact_for(period: float, contact: ContactSettings | None, friction: float | None) -> ContactSettings:
+    """Contact of a walk: what is given, else a physics step that divides the control period; its friction if told."""
+    used = contact or ContactSettings(timestep=fitting_timestep(period))
+    return used if friction is None else used._replace(friction=friction)
+
+
 def fitting_timestep(period: float) -> float:
     """The physics step nearest to `TIMESTEP` that divides a control period [s]."""
     return period / max(1, round(period / TIMESTEP))

@@ -18,7 +18,7 @@ from frontal_biped.model.state import State
 from frontal_biped.simulation.engine import Move, first_foothold
 from frontal_biped.simulation.hybrid_system import LOWEST, EventKind
 from frontal_biped.simulation.mujoco.robot import MujocoRobot
-from frontal_biped.simulation.mujoco.spec import ContactSettings, fitting_timestep, substeps
+from frontal_biped.simulation.mujoco.spec import ContactSettings, contact_for, substeps
 from frontal_biped.simulation.pushes import PushForces
 from frontal_biped.simulation.sensed import WalkOptions, walk_in
 from frontal_biped.simulation.settings import PERIOD, SimulationSettings
@@ -63,9 +63,7 @@ def walk_in_mujoco(
     """
     chosen = settings or SimulationSettings()
     period = chosen.period or PERIOD
-    used = contact or ContactSettings(timestep=fitting_timestep(period))
-    if chosen.disturbances.friction is not None:
-        used = used._replace(friction=chosen.disturbances.friction)
+    used = contact_for(period, contact, chosen.disturbances.friction)
     engine = MujocoEngine(biped, errors, used, period)
     run = walk_in(engine, biped, walker, start, chosen, errors, **options)
     return replace(run, settings={**run.settings, "contact": used._asdict()})

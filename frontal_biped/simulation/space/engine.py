@@ -61,6 +61,9 @@ class SpatialEngine(Protocol):
         Force [N], then moment about the origin of the sole's frame [N m], in world axes.
         """
 
+    def torques(self) -> FloatArray:
+        """(n,) what the motors gave in the last period, within all their limits, on average [N m]."""
+
     def raise_ground(self, stance: Stance, height: float) -> None:
         """Height of the ground on which a foot in the air will land [m]."""
 

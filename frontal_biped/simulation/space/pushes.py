@@ -1,12 +1,15 @@
 """Pushes in space: a force in any direction on any link, at a time of the run or at a moment of a step."""
 
+import difflib
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import SimulationError
+from frontal_biped.model.space.free_robot import FreeRobot
 from frontal_biped.simulation.pushes import PushTimes, check_timing, impulse_rate
 
 
@@ -49,6 +52,36 @@ class SpatialPush:
     def force(self, t: float) -> FloatArray:
         """(3,) force in world axes at time t since whatever ``start`` counts from [N]."""
         return impulse_rate(self, t, 1.0) * np.array(self.impulse)
+
+
+class LinkPlace(NamedTuple):
+    """Where a link is on the joint that moves it.
+
+    Attributes:
+        joint: index in Pinocchio's model; 1 is the free root.
+        placement: of the link in the frame of that joint.
+    """
+
+    joint: int
+    placement: pin.SE3
+
+
+def link_place(free: FreeRobot, link: str) -> LinkPlace:
+    """Where a URDF link, "" for the root, is on a robot.
+
+    Raises:
+        SimulationError: the robot has no such link.
+    """
+    if not link:
+        return LinkPlace(1, pin.SE3.Identity())
+    model = free.model
+    if not model.existFrame(link, pin.FrameType.BODY):
+        names = [frame.name for frame in model.frames if frame.type == pin.FrameType.BODY]
+        close = difflib.get_close_matches(link, names, n=1)
+        remedy = f"did you mean {close[0]!r}?" if close else "name a link of its URDF"
+        raise SimulationError(f"push: link = {link!r}: {free.name} has no such link; {remedy}")
+    frame = model.frames[model.getFrameId(link, pin.FrameType.BODY)]
+    return LinkPlace(frame.parentJoint, frame.placement)
 
 
 class LinkForce(NamedTuple):
