@@ -12,6 +12,7 @@ class WholeBodySettings:
     Attributes:
         output: of the paper's outputs.
         length: of the lengths of the virtual legs.
+        length_softness: least share of the lengths' feedback after a landing [-].
         pelvis: of the pelvis' pitch and yaw.
         swing: of the swing sole's way forwards.
         foot: of the swing sole's pitch and yaw.
@@ -27,7 +28,8 @@ class WholeBodySettings:
     """
 
     output: float = 60.0
-    length: float = 30.0
+    length: float = 45.0
+    length_softness: float = 1.0
     pelvis: float = 20.0
     swing: float = 40.0
     foot: float = 40.0

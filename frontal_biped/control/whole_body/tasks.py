@@ -116,7 +116,7 @@ class TaskRows:
             leg = state.legs[side]
             A[LENGTHS.start + i, :nv] = leg.J[LENGTH]
             error = leg.values[LENGTH] - state.lengths[side]
-            b[LENGTHS.start + i] = _held(s.length, soft, error, leg.rates[LENGTH]) - leg.drift[LENGTH]
+            b[LENGTHS.start + i] = _held(s.length, max(soft, s.length_softness), error, leg.rates[LENGTH]) - leg.drift[LENGTH]
         pelvis = state.pelvis
         A[PELVIS, :nv] = pelvis.J[PITCH:]
         b[PELVIS] = _held(s.pelvis, soft, pelvis.angles[PITCH:], pelvis.rates[PITCH:]) - pelvis.drift[PITCH:]
