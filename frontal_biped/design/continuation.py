@@ -15,6 +15,7 @@ from frontal_biped.design.optimise import OPTIMISER_NODES, DesignResult, design_
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.gait.constraints import energy_margin, reversal_shift
 from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.holding_wrench import step_holding
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 
@@ -113,6 +114,13 @@ def attained(biped: FrontalBiped, gait: Gait, target: GaitSpecification) -> Gait
         "min_energy_margin": float(energy_margin(step)),
         "max_reversal_shift": float(reversal_shift(step)),
     }
+    if target.bounds_holding_wrench:
+        wrenches = [wrench for phase in step_holding(biped, step) for wrench in phase]
+        rooms = [np.minimum(at.sole.front - at.cop_x, at.sole.back + at.cop_x) for at in wrenches]
+        values["cop_margin_x"] = float(np.min(rooms))
+        values["yaw_friction"] = float(np.max(np.abs([at.friction for at in wrenches])))
+        if values["cop_margin_x"] < 0.0:  # no specification can say so: the target's bound holds from the first step on
+            del values["cop_margin_x"]
     for key, value in values.items():
         if getattr(own, key) is None and getattr(target, key) is not None:
             table[key] = value

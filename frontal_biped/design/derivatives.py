@@ -14,6 +14,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.forward_mode import Dual, chain
 from frontal_biped.model.biped import BASE, FrontalBiped
 from frontal_biped.model.impact import landing_jacobian
+from frontal_biped.model.space.plane_masses import PlaneDynamics, PlaneMasses
 from frontal_biped.virtual_constraints.invariance import double_support_pose
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion
 from frontal_biped.zero_dynamics.restricted import ProjectedDynamics
@@ -83,18 +84,11 @@ class DifferentiableBiped:
 
     def project(self, motions: list[ConstrainedMotion]) -> list[Projection]:
         """`zero_dynamics.project_dynamics` and the sole heights, for `Dual` motions, all of them in one pass."""
-        q, dq, ddq = (
-            np.concatenate([cast("Dual", motion[part]).block for motion in motions], axis=1) for part in range(3)
-        )  # (1 + P, n, 4)
-        values, local = self._local(q[0], dq[0], ddq[0])
-        # dq/dbeta of the stance ankle is 1 whatever the variables: its columns are left out
-        inner = np.concatenate([q[1:], dq[1:, :, 1:], ddq[1:, :, 1:]], axis=2).transpose(1, 2, 0)
-        block = np.concatenate([values[:, :, None], local @ inner], axis=2).transpose(2, 1, 0)  # (1 + P, rows, n)
-        projections, begin = [], 0
-        for motion in motions:
-            part = np.ascontiguousarray(block[:, :, begin : begin + len(motion.q)])
-            begin += len(motion.q)
-            A, B, G, soles = (cast("FloatArray", Dual(part[:, rows])) for rows in (_A, _B, _G, _SOLE))
+        blocks = _blocks(motions)
+        values, local = self._local(*(block[0] for block in blocks))
+        projections = []
+        for rows in _by_motion(values, local, blocks, motions):
+            A, B, G, soles = (cast("FloatArray", rows[part]) for part in (_A, _B, _G, _SOLE))
             projections.append(Projection(ProjectedDynamics(A, B, G), soles))
         return projections
 
@@ -179,6 +173,51 @@ class DifferentiableBiped:
         both = chain(value, by_q, q_minus)
         both.derivative[:] += dq_minus.derivative @ by_v.T
         return both
+
+
+def plane_dynamics(masses: PlaneMasses, motions: list[ConstrainedMotion]) -> list[PlaneDynamics]:
+    """`PlaneMasses.along` for `Dual` motions, all of them in one pass."""
+    blocks = _blocks(motions)
+    n = blocks[0].shape[1]
+    local = [np.zeros((11, n, 4)) for _ in blocks]
+    for block, at in zip(local, blocks, strict=True):
+        block[0] = at[0]
+    for variable, (part, joint) in enumerate(_LOCAL):
+        local[part][1 + variable, :, joint] = 1.0
+    found = masses.along(*(cast("FloatArray", Dual(block)) for block in local))
+    each = np.concatenate([cast("Dual", part).block for part in found], axis=1)  # (11, 15, n)
+    rows = _by_motion(each[0].T, each[1:].transpose(2, 1, 0), blocks, motions)
+    return [PlaneDynamics(*(cast("FloatArray", row[5 * i : 5 * i + 5]) for i in range(3))) for row in rows]
+
+
+_LOCAL = [*((0, joint) for joint in range(4)), *((part, joint) for part in (1, 2) for joint in range(1, 4))]
+"""What a node is differentiated by: q, q' or q'' (0, 1, 2) of which joint; q' and q'' of the stance ankle are fixed."""
+
+
+def _blocks(motions: list[ConstrainedMotion]) -> list[FloatArray]:
+    """(1 + P, n, 4) q, q', q'' of all motions, one behind the other."""
+    return [np.concatenate([cast("Dual", motion[part]).block for motion in motions], axis=1) for part in range(3)]
+
+
+def _by_motion(
+    values: FloatArray, local: FloatArray, blocks: list[FloatArray], motions: list[ConstrainedMotion]
+) -> list[Dual]:
+    """From each node's own variables to all P.
+
+    Args:
+        values: (n, rows) at the nodes.
+        local: (n, rows, 10) their derivatives, columns as in `_LOCAL`.
+        blocks: of `_blocks`.
+        motions: to which the nodes belong.
+
+    Returns:
+        The rows (rows, n) of each motion.
+    """
+    q, dq, ddq = blocks
+    inner = np.concatenate([q[1:], dq[1:, :, 1:], ddq[1:, :, 1:]], axis=2).transpose(1, 2, 0)
+    block = np.concatenate([values[:, :, None], local @ inner], axis=2).transpose(2, 1, 0)  # (1 + P, rows, n)
+    ends = np.cumsum([len(motion.q) for motion in motions])[:-1]
+    return [Dual(np.ascontiguousarray(part)) for part in np.split(block, ends, axis=2)]
 
 
 def _planar_hessian(J: FloatArray) -> FloatArray:

@@ -139,7 +139,7 @@ def remedy(
     return None
 
 
-_LARGER = ("max_", "friction", "step_duration[1]", "step_width[1]")
+_LARGER = ("max_", "friction", "yaw_friction", "step_duration[1]", "step_width[1]")
 """Entries that are relaxed by making them larger; all others by making them smaller."""
 
 

@@ -226,6 +226,12 @@ def _matmul(a: Any, b: Any) -> Dual:
     return Dual(a @ b.block)
 
 
+def _minimum(a: Any, b: Any) -> Dual:
+    """The smaller one with its derivative; where both are equal, the first one's."""
+    left, right = np.broadcast_arrays(*_aligned(*_lift(a, b)))
+    return Dual(np.where(left[0] <= right[0], left, right))
+
+
 def _sqrt(a: Dual) -> Dual:
     root = np.sqrt(a.value)
     return elementwise(a, root, 0.5 / root)
@@ -267,6 +273,7 @@ _UFUNCS: dict[np.ufunc, Callable[..., Any]] = {
     np.square: lambda a: _power(a, 2),
     np.power: _power,
     np.matmul: _matmul,
+    np.minimum: _minimum,
     np.sqrt: _sqrt,
     np.exp: _exp,
     np.sin: lambda a: elementwise(a, np.sin(a.value), np.cos(a.value)),

@@ -13,7 +13,7 @@ from typing import ClassVar, cast
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.derivatives import DifferentiableBiped
+from frontal_biped.design.derivatives import DifferentiableBiped, plane_dynamics
 from frontal_biped.design.ends import Periodic, StepEnds
 from frontal_biped.design.forward_mode import Dual, elementwise, independent
 from frontal_biped.design.rows import MarginLayout, MarginRow, lay_out
@@ -22,9 +22,12 @@ from frontal_biped.design.variables import BETA_IMPACT, STEP_WIDTH, VariableLayo
 from frontal_biped.exceptions import UnreachablePoseError
 from frontal_biped.gait.constraints import Constraint, SoleHeights, step_constraints
 from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.holding_wrench import HoldingWrench, StepHolding
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.impact import Landing
+from frontal_biped.model.robot import FootSole
+from frontal_biped.model.space.plane_masses import PlaneMasses
 from frontal_biped.model.stance_map import relabel
 from frontal_biped.numerics.quadrature import reversal_quadrature
 from frontal_biped.virtual_constraints.invariance import (
@@ -91,6 +94,9 @@ class DesignProblem:
         tighten_by: distance that every scaled constraint keeps from its bound.
         ends: what the step begins and ends with; default: its own landing, as a gait does.
         column_reach: how far a Bezier column may be from that of the start [rad].
+
+    Raises:
+        RobotError: the specification bounds the holding wrench, and the length of the soles is not known.
     """
 
     SPECIFIED_VARIABLES: ClassVar = {STEP_WIDTH: ("step_width[0]", "step_width[1]")}
@@ -112,6 +118,9 @@ class DesignProblem:
         self.column_reach = column_reach
         self.rule = reversal_quadrature(size)
         self._differentiable = DifferentiableBiped(biped)
+        self._in_space: list[tuple[FootSole, PlaneMasses]] = []
+        if specification.bounds_holding_wrench:
+            self._in_space = [(sole, PlaneMasses.of(biped, sole.side)) for sole in biped.robot.soles]
         M, F = max(specification.degrees), specification.fri_degree
         tau_squared = self.rule.tau**2
         self._rising_basis = phase_basis(M, F, 1.0 - tau_squared)
@@ -178,7 +187,10 @@ class DesignProblem:
             rising=_with_floor(step.rising),
             falling=_with_floor(step.falling),
         )
-        constraints = step_constraints(self.biped, self.specification, lifted, soles, departure=self.departing)
+        holding = self._holding(lifted) if self._in_space else None
+        constraints = step_constraints(
+            self.biped, self.specification, lifted, soles, departure=self.departing, holding=holding
+        )
         # the orbit itself must exist, whatever the floor says
         constraints += [
             Constraint("", "orbit", "", orbit.z, FLOOR_Z, None, 10.0) for orbit in (step.rising, step.falling)
@@ -248,6 +260,15 @@ class DesignProblem:
         for key, violation in shortfall.items():
             self._tightened[key] = self._tightened.get(key, 0.0) + 1.2 * violation
         self._margins = None
+
+    def _holding(self, step: StepOrbit) -> StepHolding:
+        orbits = step.rising, step.falling
+        of_foot = []
+        for sole, masses in self._in_space:
+            dynamics = plane_dynamics(masses, [orbit.motion for orbit in orbits])
+            rows = (found.at(orbit.ddbeta, orbit.dbeta**2) for found, orbit in zip(dynamics, orbits, strict=True))
+            of_foot.append([HoldingWrench(sole, row) for row in rows])
+        return StepHolding(*zip(*of_foot, strict=True))
 
     def _step(self, x: Dual) -> tuple[StepOrbit, SoleHeights, list[FloatArray]]:
         free = self.unpack(cast("FloatArray", x))

@@ -112,7 +112,9 @@ def _looser(before: Gait, after: Gait) -> GaitSpecification:
         a, b = first[key], second[key]
         if key in ("step_duration", "step_width"):
             table[key] = [min(a[0], b[0]), max(a[1], b[1])]
-        elif key in ("friction", "fri_degree", "seed") or (key.startswith("max_") and key != "max_torque"):
+        elif key in ("friction", "yaw_friction", "fri_degree", "seed") or (
+            key.startswith("max_") and key != "max_torque"
+        ):
             table[key] = max(a, b)
         elif key in ("max_torque", "degree"):
             table[key] = np.maximum(a, b).tolist()

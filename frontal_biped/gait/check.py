@@ -7,6 +7,7 @@ import numpy as np
 
 from frontal_biped.gait.constraints import Constraint, SoleHeights, sole_heights, step_constraints
 from frontal_biped.gait.gait import MIN_NODES
+from frontal_biped.gait.holding_wrench import step_holding
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.impact import Landing
@@ -115,6 +116,9 @@ def check_constraints(
         step: the step on converged quadrature nodes.
         points: of the grid, both ends included.
         departure: the impact that the step begins with, where it is not the one it ends with.
+
+    Raises:
+        RobotError: the holding wrench is bounded, and the length of the soles is not known.
     """
     tau = np.linspace(0.0, 1.0, points)
     up = resample(biped, rising, step.rising, tau)
@@ -122,7 +126,8 @@ def check_constraints(
     soles = SoleHeights(*(sole_heights(biped, orbit.motion.q) for orbit in (up, down)))
     # the duration is an integral and keeps the accuracy of the quadrature
     dense = step._replace(rising=up, falling=down)
-    constraints = step_constraints(biped, specification, dense, soles, step.duration, departure)
+    holding = step_holding(biped, dense) if specification.bounds_holding_wrench else None
+    constraints = step_constraints(biped, specification, dense, soles, step.duration, departure, holding)
     checks = [_worst(constraint) for constraint in constraints]
     ends = biped.swing_sole(step.falling.motion.q[-1])[:, 1]
     flat = float(np.max(np.abs(ends)))

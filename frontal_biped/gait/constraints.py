@@ -4,12 +4,14 @@ The optimiser asks them of arrays that carry derivatives, the report of a dense 
 C08 of a perturbed step, which the functions of one phase and of one impact are for.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.gait.holding_wrench import HoldingWrench, StepHolding
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import GRAVITY
@@ -196,6 +198,7 @@ def step_constraints(
     soles: SoleHeights,
     duration: FloatArray | float | None = None,
     departure: Landing | None = None,
+    holding: StepHolding | None = None,
 ) -> list[Constraint]:
     """Every constraint of the specification, evaluated on a step.
 
@@ -207,6 +210,7 @@ def step_constraints(
         duration: of the step [s], where the points of ``step`` are no quadrature nodes.
         departure: the impact that the step begins with; default: the one it ends with, as in a periodic gait. A step
             between two gaits, which departs from another impact, has no multiplier.
+        holding: what the ground must hold at the same points; needed where the specification bounds it.
 
     Returns:
         The constraints, in the order of their codes.
@@ -253,7 +257,46 @@ def step_constraints(
     if spec.max_reversal_shift is not None:
         key, shift, most = "max_reversal_shift", _one(reversal_shift(step)), spec.max_reversal_shift
         found.append(_bound(key, "reversal shift by 1 % of speed", "rad", shift, None, most, SHIFT, key))
+    if holding is not None and spec.bounds_holding_wrench:
+        for name, wrenches in zip(("rising", "falling"), holding, strict=True):
+            held = holding_limits(wrenches, spec.cop_margin_x or 0.0, spec.yaw_friction, name)
+            found += [limit for limit in held if limit is not None]
     return sorted(found, key=lambda constraint: constraint.code)
+
+
+class HoldingLimits(NamedTuple):
+    """What the soles must hold along a phase when the whole robot walks in space.
+
+    Attributes:
+        fore_aft: centre of pressure between heel and toe, of the shorter sole where left and right differ.
+        friction: force and yaw moment together; None without a coefficient.
+    """
+
+    fore_aft: Constraint
+    friction: Constraint | None
+
+
+def holding_limits(
+    wrenches: Sequence[HoldingWrench], margin: float, friction: float | None, phase: str
+) -> HoldingLimits:
+    """Bounds on what the ground must hold along a phase.
+
+    Args:
+        wrenches: of either foot, or of one.
+        margin: of the centre of pressure, inside toe and heel [m].
+        friction: coefficient of friction; None: not bounded.
+        phase: its name, for the constraints'.
+    """
+    low = margin - min(wrench.sole.back for wrench in wrenches)
+    high = min(wrench.sole.front for wrench in wrenches) - margin
+    name, key = f"CoP ahead of the ankle, {phase}", "cop_margin_x"
+    cop = np.concatenate([wrench.cop_x for wrench in wrenches])
+    fore_aft = _bound(key, name, "m", cop, low, high, PLACE, key)
+    if friction is None:
+        return HoldingLimits(fore_aft, None)
+    name, key = f"F_h and yaw moment, over F_v, {phase}", "yaw_friction"
+    used = np.concatenate([part for wrench in wrenches for part in wrench.friction])
+    return HoldingLimits(fore_aft, _bound(key, name, "-", used, -friction, friction, SHARE, key))
 
 
 def _joint_limits(

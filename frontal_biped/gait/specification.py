@@ -1,7 +1,7 @@
 """Gait specification: the constraints C01..C09 as data ([O] Sec. IV-A), and the specification file (TOML).
 
-Every key is optional. This file says what an empty one says, but for the six keys of which leaving out means "free", or
-what stands in brackets:
+Every key is optional. This file says what an empty one says, but for the eight keys of which leaving out means "free",
+or what stands in brackets:
 
     degree = 5                 # joint Bezier degree; or one for each of stance hip, swing hip, swing ankle
     fri_degree = 3             # FRI Bezier degree
@@ -20,10 +20,14 @@ what stands in brackets:
     min_energy_margin = 1.0    # energy to spare before tipping outwards, over the orbit's; leave out: free
     max_reversal_shift = 0.003 # rad, by 1 % of post-impact speed; leave out: free
     seed = 0                   # of everything random
+    cop_margin_x = 0.02        # m inside toe and heel, of a robot in space; leave out: free
+    yaw_friction = 0.6         # coefficient for force and yaw moment together, in space; leave out: free
 
 The robot's joint position and velocity limits are kept as well. `default_specification` takes the keys that suit a
-robot from the ``[gait]`` table of its description. The last three bounds ask for robustness; `design.studies` designs
-the series that show what each of them costs.
+robot from the ``[gait]`` table of its description. The three bounds from max_multiplier on ask for robustness;
+`design.studies` designs the series that show what each of them costs. cop_margin_x and yaw_friction bound the wrench
+that the ground must hold when the whole robot walks the gait in space (`gait.holding_wrench`); they need the length of
+the soles.
 """
 
 from collections.abc import Mapping
@@ -64,6 +68,10 @@ class GaitSpecification:
         max_reversal_shift: displacement of the reversal by 1 % of post-impact speed [rad]; None: free. See
             `gait.constraints.reversal_shift`.
         seed: of everything random.
+        cop_margin_x: distance of the holding wrench's centre of pressure from toe and heel [m]; None: free, or 0 with
+            ``yaw_friction``. See `gait.holding_wrench`.
+        yaw_friction: coefficient of friction that must hold force and yaw moment of the stance sole together [-];
+            None: free.
 
     Raises:
         SpecificationError: a value is out of range; the message names key and value.
@@ -86,6 +94,8 @@ class GaitSpecification:
     min_energy_margin: float | None = None
     max_reversal_shift: float | None = None
     seed: int = 0
+    cop_margin_x: float | None = None
+    yaw_friction: float | None = None
 
     def __post_init__(self) -> None:
         degrees = self.degree if isinstance(self.degree, tuple | list) else (self.degree,)
@@ -128,6 +138,18 @@ class GaitSpecification:
                 if not 0.0 < value < most:
                     raise SpecificationError(f"{key} = {value:g} is not in (0, {most:g})")
                 object.__setattr__(self, key, value)
+        if self.cop_margin_x is not None:
+            margin = finite_number("cop_margin_x", self.cop_margin_x, SpecificationError)
+            if margin < 0.0:
+                raise SpecificationError(
+                    f"cop_margin_x = {margin:g} must not be negative; 0 lets it go to toe and heel"
+                )
+            object.__setattr__(self, "cop_margin_x", margin)
+
+    @property
+    def bounds_holding_wrench(self) -> bool:
+        """Does it bound what the ground must hold when the whole robot walks?"""
+        return self.cop_margin_x is not None or self.yaw_friction is not None
 
     @property
     def degrees(self) -> tuple[int, int, int]:
@@ -184,6 +206,7 @@ _OPTIONAL = {
     "max_multiplier": 1.0,
     "min_energy_margin": np.inf,
     "max_reversal_shift": 0.5 * np.pi,
+    "yaw_friction": np.inf,
 }
 
 # key: must it be strictly positive?
