@@ -47,10 +47,10 @@ class TestSpecification:
         path.write_text(self.block, encoding="utf-8")
         assert read_specification(path) == GaitSpecification(
             max_pelvis_roll=0.1, max_foot_rotation=0.3, max_torque=(150.0,) * 4,
-            max_multiplier=0.75, min_energy_margin=1.0, max_reversal_shift=0.003,
+            max_multiplier=0.75, min_energy_margin=1.0, max_reversal_shift=0.003, cop_margin_x=0.02, yaw_friction=0.6,
         )  # fmt: skip
         left_out = re.findall(r"^(\w+) = .*leave out", self.block, re.MULTILINE)
-        assert len(left_out) == 6 and all(key not in GaitSpecification().as_dict() for key in left_out)
+        assert len(left_out) == 8 and all(key not in GaitSpecification().as_dict() for key in left_out)
 
 
 class TestDescription:

@@ -1,11 +1,15 @@
 """Branches of gaits: that they end where they should, and are the gaits that a design from scratch finds."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from frontal_biped.design import follow_branch
 from frontal_biped.design.continuation import attained, blend
-from frontal_biped.gait import GaitSpecification
+from frontal_biped.gait import GaitSpecification, load_gait
+from frontal_biped.gait.holding_wrench import step_holding
+from frontal_biped.model import load_robot, models_dir
 
 SAME_COST = 1e-4
 """Relative: both designs stop at a predicted decrease of 1e-5 N^2 m s, on valleys that are flat."""
@@ -42,6 +46,18 @@ def test_bounds_the_gait_does_not_have_begin_where_it_stands(biped, reference_ga
     assert origin.max_pelvis_roll == pytest.approx(max(rolls))
     assert origin.max_multiplier == pytest.approx(reference_gait.orbit.multiplier)
     assert origin.max_reversal_shift is None
+
+
+def test_bounds_on_the_holding_wrench_begin_where_it_is():
+    """A centre of pressure that is outside cannot be said in a specification: the target's bound holds at once."""
+    robot = load_robot("talos_full")
+    gait = load_gait(models_dir() / "talos_full.gait.json")
+    origin = attained(robot, gait, replace(gait.specification, cop_margin_x=0.095, yaw_friction=0.15))
+    held = [wrench for phase in step_holding(robot, gait.step(robot)) for wrench in phase]
+    rooms = [min(np.min(at.sole.front - at.cop_x), np.min(at.sole.back + at.cop_x)) for at in held]
+    assert origin.cop_margin_x == pytest.approx(min(rooms))
+    assert origin.yaw_friction == pytest.approx(max(np.max(np.abs(at.friction)) for at in held))
+    assert attained(robot, gait, gait.specification) == gait.specification
 
 
 def test_blend():

@@ -38,6 +38,8 @@ FORMULAS = {
     "columns": lambda x: x.reshape(2, 3)[:, 1:] - x[:2][:, None],
     "joined": lambda x: np.concatenate([x, np.ones(2), x[:1]]),
     "sum over rows": lambda x: (x.reshape(2, 3) ** 2).sum(axis=0),
+    "smaller of two": lambda x: np.minimum(x, x[::-1] ** 2),
+    "smaller of one and constants": lambda x: np.minimum(1.0, x) + np.minimum(x * x, np.arange(12.0).reshape(2, 6)),
     "square": lambda x: np.square(x) - np.negative(x),
 }
 

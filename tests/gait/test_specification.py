@@ -21,6 +21,10 @@ BAD = [
     ("max_multiplier", 0.0, "(0, 1)"),
     ("min_energy_margin", -0.1, "-0.1"),
     ("max_reversal_shift", 2.0, "2"),
+    ("cop_margin_x", -0.01, "-0.01"),
+    ("cop_margin_x", True, "True"),
+    ("yaw_friction", 0.0, "(0, inf)"),
+    ("yaw_friction", math.inf, "inf"),
     ("fri_degree", 0, "0"),
     ("fri_degree", 13, "13"),
     ("fri_degree", 1.5, "1.5"),
@@ -87,7 +91,7 @@ def test_defaults():
         degree=5, fri_degree=3, friction=0.6, min_normal_force=0.1, fri_margin=0.005, swing_clearance=0.01,
         touchdown_speed=0.05, min_phase_range=0.02, step_duration=(0.4, 0.8), step_width=(0.15, 0.35),
         max_pelvis_roll=None, max_torque=None, max_multiplier=None, min_energy_margin=None, max_reversal_shift=None,
-        seed=0,
+        seed=0, cop_margin_x=None, yaw_friction=None,
     )  # fmt: skip
 
 
@@ -110,10 +114,11 @@ class TestFile:
             "step_width = [0.2, 0.3]\nmax_pelvis_roll = 0.1\nmax_foot_rotation = 0.3\n"
             "max_torque = [40, 90, 90, 40]\nseed = 7\n"
             "max_multiplier = 0.7\nmin_energy_margin = 0.4\nmax_reversal_shift = 0.002\n"
+            "cop_margin_x = 0\nyaw_friction = 0.5\n"
         )
         assert read_specification(path) == GaitSpecification(
             6, 2, 0.5, 0.2, 0.01, 0.02, 0.1, 0.03, (0.5, 0.6), (0.2, 0.3), 0.1, 0.3, (40.0, 90.0, 90.0, 40.0),
-            0.7, 0.4, 0.002, 7,
+            0.7, 0.4, 0.002, 7, 0.0, 0.5,
         )  # fmt: skip
 
     def test_degrees_of_the_outputs(self, tmp_path):
