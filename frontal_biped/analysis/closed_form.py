@@ -3,6 +3,7 @@
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from frontal_biped.analysis.in_space import SpaceAnalysis, analyse_in_space
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait.check import ConstraintReport, check_constraints
 from frontal_biped.gait.gait import Gait, converged_nodes, quadrature_error
@@ -44,6 +45,7 @@ class GaitAnalysis:
         residuals: of the gait, see `Gait.residuals`.
         constraints: C01..C09 on the dense grid.
         certificate: existence, number and uniqueness of the reversal point; None where no step exists, or not asked.
+        in_space: what the gait means for the whole robot; None for a robot of four joints, or not asked.
     """
 
     robot: str
@@ -65,6 +67,7 @@ class GaitAnalysis:
     residuals: dict[str, float]
     constraints: ConstraintReport
     certificate: ReversalCertificate | None
+    in_space: SpaceAnalysis | None
 
     @property
     def certified(self) -> bool:
@@ -99,6 +102,9 @@ class GaitAnalysis:
         table["reversal"]["is_reversal"] = self.reversal.is_reversal
         table["constraints"] = self.constraints.as_dict()
         table["certificate"] = None if self.certificate is None else self.certificate.as_dict()
+        del table["in_space"]
+        if self.in_space is not None:
+            table["in_space"] = self.in_space.as_dict()
         return {"certified": self.certified, "objections": list(self.objections), **table}
 
     def __str__(self) -> str:
@@ -125,11 +131,19 @@ class GaitAnalysis:
                 f"{max(self.residuals.values()):.1e} ({max(self.residuals, key=lambda k: self.residuals[k])})",
             ),
         ]
-        return "\n".join(f"{name:26} {value}" for name, value in rows) + "\n\n" + str(self.constraints)
+        blocks = ["\n".join(f"{name:26} {value}" for name, value in rows), str(self.constraints)]
+        if self.in_space is not None:
+            blocks.append(str(self.in_space))
+        return "\n\n".join(blocks)
 
 
 def analyze(
-    biped: FrontalBiped, gait: Gait, specification: GaitSpecification | None = None, *, certify: bool = True
+    biped: FrontalBiped,
+    gait: Gait,
+    specification: GaitSpecification | None = None,
+    *,
+    certify: bool = True,
+    in_space: bool = True,
 ) -> GaitAnalysis:
     """Analyse a gait in closed form.
 
@@ -138,6 +152,7 @@ def analyze(
         gait: the gait.
         specification: bounds to check against; default: those the gait was designed for.
         certify: count the reversal points as well? It takes a few seconds.
+        in_space: say what it means for the whole robot as well? It reads the meshes of the feet.
 
     Returns:
         Orbit, reversal, residuals and constraints.
@@ -176,4 +191,5 @@ def analyze(
         residuals=gait.residuals(biped, step),
         constraints=check_constraints(biped, spec, gait.rising, gait.falling, step),
         certificate=certificate,
+        in_space=analyse_in_space(biped, gait, spec, step) if in_space else None,
     )

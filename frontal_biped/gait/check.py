@@ -1,17 +1,17 @@
 """Check a gait against C01 to C09 on a dense grid, far from the optimiser."""
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from frontal_biped.gait.constraints import Constraint, SoleHeights, sole_heights, step_constraints
+from frontal_biped.gait.constraints import Constraint, SoleHeights, holding_limits, sole_heights, step_constraints
 from frontal_biped.gait.gait import MIN_NODES
-from frontal_biped.gait.holding_wrench import step_holding
+from frontal_biped.gait.holding_wrench import StepHolding, step_holding
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.impact import Landing
-from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.virtual_constraints.phase import Phase, StepPhase
 from frontal_biped.zero_dynamics.orbit import resample
 from frontal_biped.zero_dynamics.poincare import StepOrbit
 
@@ -52,6 +52,10 @@ class ConstraintCheck:
     scale: float
     satisfied: bool
 
+    def __str__(self) -> str:
+        row = f"{self.code:15} {self.name:43} {self.value:12.6g} {self.bound:10.4g} {self.margin:11.3g}"
+        return f"{row} {self.unit}"
+
 
 @dataclass(frozen=True)
 class ConstraintReport:
@@ -90,11 +94,8 @@ class ConstraintReport:
         }
 
     def __str__(self) -> str:
-        lines = [f"{'':15} {'constraint':43} {'value':>12} {'bound':>10} {'margin':>11}"]
-        for c in self.checks:
-            mark = "" if c.satisfied else "  VIOLATED"
-            lines.append(f"{c.code:15} {c.name:43} {c.value:12.6g} {c.bound:10.4g} {c.margin:11.3g} {c.unit}{mark}")
-        return "\n".join(lines)
+        head = f"{'':15} {'constraint':43} {'value':>12} {'bound':>10} {'margin':>11}"
+        return "\n".join([head, *(f"{check}{'' if check.satisfied else '  VIOLATED'}" for check in self.checks)])
 
 
 def check_constraints(
@@ -120,13 +121,10 @@ def check_constraints(
     Raises:
         RobotError: the holding wrench is bounded, and the length of the soles is not known.
     """
-    tau = np.linspace(0.0, 1.0, points)
-    up = resample(biped, rising, step.rising, tau)
-    down = resample(biped, falling, step.falling, tau)
-    soles = SoleHeights(*(sole_heights(biped, orbit.motion.q) for orbit in (up, down)))
-    # the duration is an integral and keeps the accuracy of the quadrature
-    dense = step._replace(rising=up, falling=down)
+    dense = _on_grid(biped, rising, falling, step, points)
+    soles = SoleHeights(*(sole_heights(biped, orbit.motion.q) for orbit in dense[:2]))
     holding = step_holding(biped, dense) if specification.bounds_holding_wrench else None
+    # the duration is an integral and keeps the accuracy of the quadrature
     constraints = step_constraints(biped, specification, dense, soles, step.duration, departure, holding)
     checks = [_worst(constraint) for constraint in constraints]
     ends = biped.swing_sole(step.falling.motion.q[-1])[:, 1]
@@ -144,6 +142,47 @@ def check_constraints(
     first_c04 = next(i for i, check in enumerate(checks) if check.code == "C04")
     checks.insert(first_c04, on_ground)
     return ConstraintReport(tuple(checks), points)
+
+
+class HoldingCheck(NamedTuple):
+    """What the ground must hold when the whole robot walks a gait, asked for or not.
+
+    Attributes:
+        holding: the wrenches on the grid.
+        checks: against the bounds that the specification has or, where it has none, the whole sole and `friction`.
+    """
+
+    holding: StepHolding
+    checks: tuple[ConstraintCheck, ...]
+
+
+def check_holding(
+    biped: FrontalBiped,
+    specification: GaitSpecification,
+    rising: Phase,
+    falling: Phase,
+    step: StepOrbit,
+    points: int = DENSE_POINTS,
+) -> HoldingCheck:
+    """The rows on the holding wrench, on the grid of `check_constraints`, whether they are asked for or not.
+
+    Raises:
+        RobotError: the length of the soles is not known.
+    """
+    holding = step_holding(biped, _on_grid(biped, rising, falling, step, points))
+    friction = specification.friction if specification.yaw_friction is None else specification.yaw_friction
+    limits = [
+        holding_limits(wrenches, specification.cop_margin_x or 0.0, friction, phase.value)
+        for wrenches, phase in zip(holding, StepPhase, strict=True)
+    ]
+    found = [limit for pair in zip(*limits, strict=True) for limit in pair if limit is not None]
+    return HoldingCheck(holding, tuple(_worst(limit) for limit in found))
+
+
+def _on_grid(biped: FrontalBiped, rising: Phase, falling: Phase, step: StepOrbit, points: int) -> StepOrbit:
+    tau = np.linspace(0.0, 1.0, points)
+    up, down = resample(biped, rising, step.rising, tau), resample(biped, falling, step.falling, tau)
+    return step._replace(rising=up, falling=down)
 
 
 def _worst(constraint: Constraint) -> ConstraintCheck:
