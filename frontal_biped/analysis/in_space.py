@@ -121,6 +121,11 @@ _RANGES = {
 }
 
 
+def has_joints_to_hold(biped: FrontalBiped) -> bool:
+    """Has the robot joints besides the four roll joints?"""
+    return len(biped.robot.joint_names) > PLANAR_JOINTS
+
+
 def analyse_in_space(
     biped: FrontalBiped, gait: Gait, specification: GaitSpecification, step: StepOrbit
 ) -> SpaceAnalysis | None:
@@ -132,7 +137,7 @@ def analyse_in_space(
         specification: bounds to check against.
         step: of the gait, on converged quadrature nodes.
     """
-    if len(biped.robot.joint_names) <= PLANAR_JOINTS:
+    if not has_joints_to_hold(biped):
         return None
     missing: list[str] = []
     holding: tuple[HoldingRanges, ...] = ()

@@ -7,7 +7,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from frontal_biped.analysis.free_landing import FreeLandingReport, free_landing
+from frontal_biped.analysis.in_space import has_joints_to_hold
+from frontal_biped.exceptions import RobotError, SimulationError
 from frontal_biped.figures.barrier import energy_barrier
+from frontal_biped.figures.landing import free_landing_figure
 from frontal_biped.figures.state import energy, phase_portrait, snapshots
 from frontal_biped.figures.style import figure_svg, styled
 from frontal_biped.figures.time import ground_reaction, joint_angles, swing_foot_height, torques
@@ -22,10 +26,12 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FIGURES",
+    "FIGURES_IN_SPACE",
     "all_figures",
     "energy",
     "energy_barrier",
     "figure_svg",
+    "free_landing_figure",
     "ground_reaction",
     "joint_angles",
     "phase_portrait",
@@ -51,6 +57,11 @@ FIGURES: dict[str, str] = {
 }
 """Names and captions, in the order of a report."""
 
+FIGURES_IN_SPACE: dict[str, str] = {
+    "free_landing": "Landing with every joint free: how much rotor inertia makes it the planar impact.",
+}
+"""Names and captions of those of a robot that has joints besides the four roll joints; they come behind the others."""
+
 
 def all_figures(
     biped: FrontalBiped, gait: Gait | None, trajectory: Trajectory | None = None
@@ -63,7 +74,7 @@ def all_figures(
         trajectory: the run; None: the periodic orbit of the gait.
 
     Returns:
-        (name, figure) in the order of `FIGURES`.
+        (name, figure) in the order of `FIGURES`, then of `FIGURES_IN_SPACE`.
 
     Raises:
         ValueError: neither a gait nor a run is given.
@@ -86,7 +97,18 @@ def all_figures(
         known = gait
         makers["energy"] = lambda: energy(biped, known)
         makers["barrier"] = lambda: energy_barrier(biped, known, run)
-    return [(name, makers[name]()) for name in FIGURES if name in makers]
+        landing = _landing(biped, known)
+        if landing is not None:
+            makers["free_landing"] = lambda: free_landing_figure(landing, biped.description.other_armature)
+    return [(name, makers[name]()) for name in (*FIGURES, *FIGURES_IN_SPACE) if name in makers]
+
+
+def _landing(biped: FrontalBiped, gait: Gait) -> FreeLandingReport | None:
+    """None where there is nothing to land, or a foot of unknown length; `analyze` says why."""
+    try:
+        return free_landing(biped, gait) if has_joints_to_hold(biped) else None
+    except (RobotError, SimulationError):
+        return None
 
 
 @styled
