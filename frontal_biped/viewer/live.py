@@ -18,9 +18,8 @@ from typing import Any, Self
 from frontal_biped.exceptions import FrontalBipedError
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import Trajectory
-from frontal_biped.viewer.page import SceneRecorder, viewer_page
-from frontal_biped.viewer.page_data import page_data
-from frontal_biped.viewer.scene import animate, cast, draw_scene
+from frontal_biped.viewer.page import SceneRecorder, Show, planar_show, viewer_page
+from frontal_biped.viewer.scene import cast
 
 HOST = "127.0.0.1"  # this machine only; from another one, forward the port with ssh
 FIRST_PORT, PORTS = 7000, 100
@@ -185,14 +184,17 @@ def view_live(
     Returns:
         The viewer, closed already with ``wait``.
     """
+    actors = cast(biped, trajectory, ghost=ghost, beside=beside, overlay=overlay)
+    return serve(planar_show(title or biped.name, actors), open_browser, wait, port)
+
+
+def serve(show: Show, open_browser: bool = True, wait: bool = True, port: int = 0) -> LiveViewer:
+    """Serve a page until it is interrupted, or without ``wait`` until the viewer is closed; see `view_live`."""
     import meshcat
 
-    actors = cast(biped, trajectory, ghost=ghost, beside=beside, overlay=overlay)
-    viewer = LiveViewer(title or biped.name, page_data(actors), port)
+    viewer = LiveViewer(show.title, show.about, port)
     try:
-        visualizer = meshcat.Visualizer(window=viewer)
-        draw_scene(visualizer, actors)
-        animate(visualizer, actors)
+        show.draw(meshcat.Visualizer(window=viewer))
         if wait:
             # the address is told while SIGTERM is listened to: who reads it may end the viewer at once
             with _until_interrupted() as ended:

@@ -16,7 +16,17 @@ CONTACT, COM, TRACE = "contact", "centre_of_mass", "trace"
 FORCE_LENGTH = 0.6  # length of the arrow that carries the whole weight, over the hip's height
 TRACE_RATE = 60.0  # points of a trace [1/s]
 
-COLOURS = {"force": 0x009E73, "fri": 0xCC1F7A, "com": 0xF0C000, "rim": 0x222222, "trace": 0xE06A00}
+COLOURS = {
+    "force": 0x009E73,
+    "fri": 0xCC1F7A,
+    "com": 0xF0C000,
+    "rim": 0x222222,
+    "trace": 0xE06A00,
+    "moment": 0x5C40BF,
+    "push": 0xD62728,
+    "left": 0x2A6CB8,
+    "right": 0xDE7329,
+}
 
 
 class SwingTrace(NamedTuple):
@@ -57,25 +67,35 @@ def swing_traces(biped: FrontalBiped, trajectory: Trajectory) -> list[SwingTrace
 
 def draw_markers(visualizer: Any, biped: FrontalBiped) -> None:
     """Put force arrows, FRI and centre of mass into a node."""
+    hip_height = float(biped.chain.joints[1, 1])
+    for foot in FEET:
+        draw_contact(visualizer[CONTACT][foot.value], "fri", hip_height)
+    draw_com(visualizer[COM], hip_height)
+
+
+def draw_contact(contact: Any, point: str, hip_height: float) -> None:
+    """Put an arrow along y that carries the whole weight, "force", and the point where it acts into a node."""
     import meshcat.geometry as mg
 
-    hip_height = float(biped.chain.joints[1, 1])
-    radius, arrow = 0.03 * hip_height, FORCE_LENGTH * hip_height
-    for foot in FEET:
-        contact = visualizer[CONTACT][foot.value]
-        contact["fri"].set_object(mg.Sphere(0.7 * radius), _overlay("fri"))
-        force = contact["force"]
-        shaft = mg.Cylinder(0.86 * arrow, 0.012 * hip_height)
-        force["shaft"].set_object(shaft, _overlay("force", opacity=0.85))
-        force["shaft"].set_transform(at(0.0, 0.43 * arrow, 0.0))
-        head = mg.Cylinder(0.14 * arrow, radiusTop=0.0, radiusBottom=0.03 * hip_height)
-        force["head"].set_object(head, _overlay("force", opacity=0.85))
-        force["head"].set_transform(at(0.0, 0.93 * arrow, 0.0))
-    com = visualizer[COM]
-    com["plumb"]["line"].set_object(mg.Cylinder(1.0, 0.004 * hip_height), _overlay("rim", opacity=0.6))
+    arrow = FORCE_LENGTH * hip_height
+    contact[point].set_object(mg.Sphere(0.021 * hip_height), overlay("fri"))
+    force = contact["force"]
+    force["shaft"].set_object(mg.Cylinder(0.86 * arrow, 0.012 * hip_height), overlay("force", opacity=0.85))
+    force["shaft"].set_transform(at(0.0, 0.43 * arrow, 0.0))
+    head = mg.Cylinder(0.14 * arrow, radiusTop=0.0, radiusBottom=0.03 * hip_height)
+    force["head"].set_object(head, overlay("force", opacity=0.85))
+    force["head"].set_transform(at(0.0, 0.93 * arrow, 0.0))
+
+
+def draw_com(com: Any, hip_height: float) -> None:
+    """Put the centre of mass, and below it a line of length one that is stretched to the ground, into a node."""
+    import meshcat.geometry as mg
+
+    radius = 0.03 * hip_height
+    com["plumb"]["line"].set_object(mg.Cylinder(1.0, 0.004 * hip_height), overlay("rim", opacity=0.6))
     com["plumb"]["line"].set_transform(hanging_cylinder())
-    com["rim"].set_object(mg.Sphere(1.25 * radius), _overlay("rim"))
-    com["marker"].set_object(mg.Sphere(radius), _overlay("com"))
+    com["rim"].set_object(mg.Sphere(1.25 * radius), overlay("rim"))
+    com["marker"].set_object(mg.Sphere(radius), overlay("com"))
 
 
 def draw_traces(visualizer: Any, biped: FrontalBiped, traces: list[SwingTrace]) -> None:
@@ -86,7 +106,7 @@ def draw_traces(visualizer: Any, biped: FrontalBiped, traces: list[SwingTrace]) 
     for trace in traces:
         vertices, faces = ribbon(trace.points, width)
         ribbon_mesh = mg.TriangularMeshGeometry(vertices, faces)
-        visualizer[TRACE][f"step_{trace.step}"].set_object(ribbon_mesh, _overlay("trace", opacity=0.9))
+        visualizer[TRACE][f"step_{trace.step}"].set_object(ribbon_mesh, overlay("trace", opacity=0.9))
 
 
 def ribbon(points: FloatArray, width: float) -> tuple[FloatArray, "np.ndarray[Any, np.dtype[np.int64]]"]:
@@ -109,7 +129,8 @@ def ribbon(points: FloatArray, width: float) -> tuple[FloatArray, "np.ndarray[An
     return vertices, faces
 
 
-def _overlay(colour: str, **options: Any) -> Any:
+def overlay(colour: str, **options: Any) -> Any:
+    """Material of a marker, in one of `COLOURS`."""
     import meshcat.geometry as mg
 
     # drawn after the robot and through it: the points lie inside its shapes

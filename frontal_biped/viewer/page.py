@@ -3,10 +3,10 @@
 import base64
 import html
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.resources import files
 from string import Template
-from typing import Any
+from typing import Any, NamedTuple
 
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import Trajectory
@@ -72,6 +72,39 @@ def recorded_scene(actors: Sequence[Actor], fps: float = 30.0) -> SceneRecorder:
     return recorder
 
 
+class Show(NamedTuple):
+    """What a page shows, whether it is exported or served.
+
+    Attributes:
+        title: of the page.
+        about: see `page_data`.
+        draw: puts scene and animation into an empty ``meshcat.Visualizer``.
+    """
+
+    title: str
+    about: dict[str, Any]
+    draw: Callable[[Any], None]
+
+
+def planar_show(
+    title: str, actors: Sequence[Actor], fps: float = 30.0, plots: bool = True, theme: str = "auto"
+) -> Show:
+    """The robots of `cast`, seen from the front."""
+
+    def draw(visualizer: Any) -> None:
+        draw_scene(visualizer, actors)
+        animate(visualizer, actors, fps)
+
+    return Show(title, page_data(actors, plots, theme), draw)
+
+
+def exported_page(show: Show) -> str:
+    """The text of a page that needs no network and opens from a file."""
+    recorder, visualizer = recording()
+    show.draw(visualizer)
+    return viewer_page(show.title, recorder.packed(), show.about)
+
+
 def animation_page(
     biped: FrontalBiped,
     trajectory: Trajectory,
@@ -103,7 +136,7 @@ def animation_page(
         The page's text, about 1 MB; with the meshes of a robot 2 to 4 MB.
     """
     actors = cast(biped, trajectory, ghost=ghost, beside=beside, overlay=overlay)
-    return viewer_page(title, recorded_scene(actors, fps).packed(), page_data(actors, plots, theme))
+    return exported_page(planar_show(title, actors, fps, plots, theme))
 
 
 def viewer_page(title: str, packed: list[bytes], about: dict[str, Any], socket: bool = False) -> str:
@@ -125,7 +158,7 @@ def viewer_page(title: str, packed: list[bytes], about: dict[str, Any], socket: 
         commands=script_json([base64.b64encode(command).decode("ascii") for command in packed]),
         about=script_json(about),
         socket="true" if socket else "false",
-        script=web_text("plots.js") + web_text("timeline.js") + web_text("viewer.js"),
+        script="".join(web_text(f"{name}.js") for name in ("plots", "timeline", "motion", "viewer")),
     )
     return closed_page(title, web_text("viewer.css"), body, schemes="light dark", connect="ws:" if socket else "")
 

@@ -1,7 +1,7 @@
 """What a page must know beside the scene: phases, events, pushes, traces, and the samples behind its plots."""
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -10,39 +10,49 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import JOINTS
+from frontal_biped.simulation.space.run import SpatialRun
 from frontal_biped.simulation.trajectory import Trajectory
-from frontal_biped.simulation.world import phase_spans
-from frontal_biped.viewer.markers import swing_traces
-from frontal_biped.viewer.scene import GHOST, SECOND, Actor, frontal_camera
+from frontal_biped.simulation.world import FEET, Phased, phase_spans
+from frontal_biped.viewer.markers import COM, CONTACT, TRACE, swing_traces
+from frontal_biped.viewer.scene import FIRST, GHOST, SECOND, Actor, frontal_camera
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 MOST_SAMPLES = 4000
 """Of one run in the plots; a longer one is thinned evenly within its phases."""
 
 
-def _panel(key: str, title: str, label: str, lines: Sequence[tuple[str, ...]], **more: str) -> dict[str, Any]:
-    """A plot: lines are (name, channel) or (name, channel, channel of the desired value)."""
+def panel(key: str, title: str, label: str, lines: Sequence[tuple[str, ...]], **more: Any) -> dict[str, Any]:
+    """A plot: lines are (name, channel) or (name, channel, channel of the desired value).
+
+    ``more`` may say ``x`` and ``xlabel`` of a plot over something else than time, ``band=True`` where the limits are
+    the ends of what is allowed, and how many ``digits`` are told.
+    """
     named = [dict(zip(("name", "y", "wanted"), line, strict=False)) for line in lines]
     return {"key": key, "title": title, "x": "t", "xlabel": "time [s]", "ylabel": label, "lines": named} | more
 
 
 PANELS: tuple[dict[str, Any], ...] = (
-    _panel(
+    panel(
         "angles",
         "Joint angles",
         "angle [rad]",
         [(name, f"q{i + 1}", *([f"d{i + 1}"] if i else [])) for i, name in enumerate(JOINTS)],
     ),
-    _panel("fri", "FRI and sole", "p_FRI [mm]", [("from the ankle", "fri", "fri_target")]),
-    _panel("torques", "Torques", "torque [N m]", [(name, f"u{i + 1}") for i, name in enumerate(JOINTS)]),
-    _panel("portrait", "Phase portrait", "dβ/dt [rad/s]", [("stance ankle", "v1")], x="q1", xlabel="β = q1 [rad]"),
-    _panel("force", "Ground reaction", "force [N]", [("vertical F_v", "fv"), ("horizontal F_h", "fh")]),
-    _panel("foot", "Swing foot", "height [mm]", [("inner end", "inner"), ("outer end", "outer")]),
-    _panel("roll", "Pelvis roll", "roll [degrees]", [("pelvis", "roll")]),
-    _panel("error", "Tracking error", "q_b − h_d [mrad]", [(name, f"e{i + 2}") for i, name in enumerate(JOINTS[1:])]),
-    _panel("speeds", "Joint velocities", "velocity [rad/s]", [(name, f"v{i + 1}") for i, name in enumerate(JOINTS)]),
+    panel("fri", "FRI and sole", "p_FRI [mm]", [("from the ankle", "fri", "fri_target")], band=True),
+    panel("torques", "Torques", "torque [N m]", [(name, f"u{i + 1}") for i, name in enumerate(JOINTS)]),
+    panel("portrait", "Phase portrait", "dβ/dt [rad/s]", [("stance ankle", "v1")], x="q1", xlabel="β = q1 [rad]"),
+    panel("force", "Ground reaction", "force [N]", [("vertical F_v", "fv"), ("horizontal F_h", "fh")]),
+    panel("foot", "Swing foot", "height [mm]", [("inner end", "inner"), ("outer end", "outer")]),
+    panel("roll", "Pelvis roll", "roll [degrees]", [("pelvis", "roll")]),
+    panel("error", "Tracking error", "q_b − h_d [mrad]", [(name, f"e{i + 2}") for i, name in enumerate(JOINTS[1:])]),
+    panel("speeds", "Joint velocities", "velocity [rad/s]", [(name, f"v{i + 1}") for i, name in enumerate(JOINTS)]),
 )
 """What a plot of the page can show; the first four are shown first."""
+
+
+def part(key: str, label: str, nodes: Sequence[Sequence[str]]) -> dict[str, Any]:
+    """Something of the scene that can be shown or hidden: its nodes below MeshCat's root."""
+    return {"key": key, "label": label, "nodes": [list(node) for node in nodes]}
 
 
 def page_data(actors: Sequence[Actor], plots: bool = True, theme: str = "auto") -> dict[str, Any]:
@@ -60,31 +70,39 @@ def page_data(actors: Sequence[Actor], plots: bool = True, theme: str = "auto") 
         "runs": [_run(actor, plots) for actor in runs],
         "overlaid": any(actor.node == SECOND and not actor.marked for actor in actors),
         "ghost": any(actor.node == GHOST for actor in actors),
+        "parts": _parts(actors),
         "panels": list(PANELS) if plots else [],
         "theme": theme,
     }
 
 
+def _parts(actors: Sequence[Actor]) -> list[dict[str, Any]]:
+    marked = [actor.node for actor in actors if actor.marked]
+
+    def contacts(name: str) -> list[tuple[str, ...]]:
+        return [(node, CONTACT, foot.value, name) for node in marked for foot in FEET]
+
+    others = {actor.node for actor in actors} - {FIRST}
+    hidden = {GHOST: "desired posture", SECOND: "second run"}
+    return [
+        part("force", "ground reaction", contacts("force")),
+        part("fri", "FRI", contacts("fri")),
+        part("com", "centre of mass", [(node, COM) for node in marked]),
+        part("trace", "swing-foot trace", [(node, TRACE) for node in marked]),
+        *(part(node, label, [(node,)]) for node, label in hidden.items() if node in others),
+    ]
+
+
 def _run(actor: Actor, plots: bool) -> dict[str, Any]:
     run, biped = actor.trajectory, actor.biped
-    start = float(run.t[0])
-    spans = phase_spans(run)
     traces = swing_traces(biped, run) if actor.marked else []
     return {
         "node": actor.node,
         "robot": biped.name,
         "duration": actor.duration,
         "outcome": run.outcome,
-        "phases": [
-            {
-                "start": span.start - start,
-                "step": span.step + 1,
-                "stance": span.stance.value,
-                "phase": span.phase.value,
-            }
-            for span in spans
-        ],
-        "events": _events(run),
+        "phases": phase_marks(run),
+        "events": event_marks(run),
         "pushes": _pushes(run),
         "traces": [
             {"step": trace.step, "start": trace.start, "end": trace.end, "pieces": len(trace.points) - 1}
@@ -95,7 +113,20 @@ def _run(actor: Actor, plots: bool) -> dict[str, Any]:
     }
 
 
-def _events(run: Trajectory) -> list[dict[str, Any]]:
+def phase_marks(run: Phased) -> list[dict[str, Any]]:
+    """Start [s] of every phase of a run, the number of its step, the foot that stands, rising or falling."""
+    return [
+        {
+            "start": span.start - float(run.t[0]),
+            "step": span.step + 1,
+            "stance": span.stance.value,
+            "phase": span.phase.value,
+        }
+        for span in phase_spans(run)
+    ]
+
+
+def event_marks(run: Trajectory | SpatialRun) -> list[dict[str, Any]]:
     """Reversals and impacts within the run, from its event list and, where that is silent, from its phases."""
     start, end = float(run.t[0]), float(run.t[-1])
     found = {
@@ -114,21 +145,30 @@ def _events(run: Trajectory) -> list[dict[str, Any]]:
 
 def _pushes(run: Trajectory) -> list[dict[str, float]]:
     """Pushes as the run's settings tell them; none where they do not."""
-    disturbances = run.settings.get("disturbances", {})
-    pushes = disturbances.get("pushes", []) if isinstance(disturbances, dict) else []
     found = []
+    for start, push in told_pushes(run):
+        try:
+            found.append({"start": start, "duration": float(push["duration"]), "impulse": float(push["impulse"])})
+        except (KeyError, TypeError, ValueError):
+            continue
+    return found
+
+
+def told_pushes(run: Trajectory | SpatialRun) -> Iterator[tuple[float, Mapping[str, Any]]]:
+    """Start from the first sample [s] and the rest of what a run's settings tell of each push that began in it."""
+    disturbances = run.settings.get("disturbances", {})
+    pushes = disturbances.get("pushes", []) if isinstance(disturbances, Mapping) else []
     for push in pushes:
         try:
-            start, duration, impulse = (float(push[key]) for key in ("start", "duration", "impulse"))
+            start = float(push["start"])
         except (KeyError, TypeError, ValueError):
             continue
         origin = _origin(run, push.get("step"), push.get("phase"))
         if origin is not None:
-            found.append({"start": origin + start - float(run.t[0]), "duration": duration, "impulse": impulse})
-    return found
+            yield origin + start - float(run.t[0]), push
 
 
-def _origin(run: Trajectory, step: int | None, phase: str | None) -> float | None:
+def _origin(run: Trajectory | SpatialRun, step: int | None, phase: str | None) -> float | None:
     """What the start of a push counts from [s]: the run, or a phase of a step; None where that never began."""
     if step is None:
         return 0.0
@@ -159,7 +199,7 @@ def samples(biped: FrontalBiped, trajectory: Trajectory) -> dict[str, Any]:
     Returns:
         "count", "breaks" (index of the first sample of each phase) and "channels".
     """
-    kept, breaks = _thinned(trajectory)
+    kept, breaks = thinned(trajectory)
     run = {name: getattr(trajectory, name)[kept] for name in ("t", "q", "dq", "u", "force", "p_fri", "p_fri_target")}
     wanted = trajectory.q_b_desired[kept]
     sole = 1e3 * np.array([biped.swing_sole(q)[:, 1] for q in run["q"]])
@@ -175,11 +215,11 @@ def samples(biped: FrontalBiped, trajectory: Trajectory) -> dict[str, Any]:
     return {
         "count": len(kept),
         "breaks": breaks,
-        "channels": {name: _packed(values) for name, values in channels.items()},
+        "channels": {name: packed(values) for name, values in channels.items()},
     }
 
 
-def _thinned(trajectory: Trajectory) -> tuple[np.ndarray[Any, np.dtype[np.intp]], list[int]]:
+def thinned(trajectory: Phased) -> tuple[np.ndarray[Any, np.dtype[np.intp]], list[int]]:
     """Indices of at most about `MOST_SAMPLES` samples, both ends of every phase among them, and where phases begin."""
     share = min(1.0, MOST_SAMPLES / len(trajectory.t))
     kept: list[np.ndarray[Any, np.dtype[np.intp]]] = []
@@ -192,5 +232,6 @@ def _thinned(trajectory: Trajectory) -> tuple[np.ndarray[Any, np.dtype[np.intp]]
     return np.concatenate(kept), breaks
 
 
-def _packed(values: FloatArray) -> str:
+def packed(values: FloatArray) -> str:
+    """Numbers as little-endian float32 in base64."""
     return base64.b64encode(np.ascontiguousarray(values, dtype="<f4").tobytes()).decode("ascii")

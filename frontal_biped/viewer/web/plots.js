@@ -9,6 +9,8 @@ const GLYPHS = [
 ];
 
 const number = (value) => value.toFixed(1).replace(/\.0$/, "");
+// A number with a true minus sign, and none before zero.
+const told = (value, digits) => value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1").replace("-", "−");
 const clean = (text) => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;");
 
 // Round numbers that cover [low, high], about `count` of them.
@@ -19,7 +21,7 @@ function ticks(low, high, count) {
   const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const found = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) found.push(k * step);
-  return { at: found, text: (value) => (value + 0).toFixed(digits).replace(/^-(0\.?0*)$/, "$1").replace("-", "−") };
+  return { at: found, text: (value) => told(value, digits) };
 }
 
 function unpack(samples) {
@@ -96,7 +98,7 @@ class Plot {
       parts.push(`<line class="grid" x1="${MARGIN.left}" x2="${MARGIN.left + inner.w}" y1="${y(value)}" y2="${y(value)}"/>`);
       parts.push(`<text x="${MARGIN.left - 5}" y="${y(value) + 4}" text-anchor="end">${up.text(value)}</text>`);
     }
-    parts.push(`<g clip-path="url(#${clip})">${this.limits(inner.w)}${this.curves()}</g>`);
+    parts.push(`<g clip-path="url(#${clip})">${this.limits(inner.w)}${this.closedForm()}${this.curves()}</g>`);
     parts.push(`<path class="axis" d="M${MARGIN.left},${MARGIN.top}V${bottom}H${MARGIN.left + inner.w}"/>`);
     parts.push(`<text class="xlabel" x="${MARGIN.left + inner.w / 2}" y="${height - 4}" text-anchor="middle">${clean(panel.xlabel)}</text>`);
     parts.push(`<text class="ylabel" transform="translate(11,${MARGIN.top + inner.h / 2}) rotate(-90)" text-anchor="middle">${clean(panel.ylabel)}</text>`);
@@ -128,12 +130,19 @@ class Plot {
         }
       }
     }
+    for (const axis of ["x", "y"]) {
+      for (const value of (this.reference || { [axis]: [] })[axis]) {
+        if (value === null) continue;
+        low[axis] = Math.min(low[axis], value);
+        high[axis] = Math.max(high[axis], value);
+      }
+    }
     if (!(high.y >= low.y)) Object.assign(low, { x: 0, y: 0 }), Object.assign(high, { x: 1, y: 1 });
     const room = high.y - low.y;
     this.distant = []; // limits too far away to be worth the room
     for (const limit of this.runs[0].limits[panel.key] || []) {
       const missing = Math.max(limit.value - high.y, low.y - limit.value);
-      if (missing > 0.8 * room && panel.key !== "fri") { this.distant.push(limit); continue; }
+      if (missing > 0.8 * room && !panel.band) { this.distant.push(limit); continue; }
       low.y = Math.min(low.y, limit.value);
       high.y = Math.max(high.y, limit.value);
     }
@@ -178,11 +187,21 @@ class Plot {
     const near = (this.runs[0].limits[this.panel.key] || []).filter((limit) => !this.distant.includes(limit));
     const lines = near.map((limit) =>
       `<line class="limit" x1="${MARGIN.left}" x2="${MARGIN.left + width}" y1="${this.y(limit.value)}" y2="${this.y(limit.value)}"><title>${clean(limit.name)}</title></line>`);
-    if (this.panel.key === "fri" && near.length === 2) {
+    if (this.panel.band && near.length === 2) {
       const [top, bottom] = near.map((limit) => this.y(limit.value)).sort((a, b) => a - b);
       lines.unshift(`<rect class="band" x="${MARGIN.left}" width="${width}" y="${top}" height="${number(bottom - top)}"/>`);
     }
     return lines.join("");
+  }
+
+  // What theory says the curve should be, below it.
+  get reference() { return (this.runs[0].reference || {})[this.panel.key]; }
+
+  closedForm() {
+    if (!this.reference) return "";
+    const { x, y } = this.reference;
+    const d = x.map((value, i) => (value === null ? "" : (i && x[i - 1] !== null ? "L" : "M") + this.x(value) + "," + this.y(y[i]))).join("");
+    return `<path class="curve closed" d="${d}"/>`;
   }
 
   curves() {
@@ -238,6 +257,7 @@ class Plot {
     if (this.panel.lines.some((line) => line.wanted)) notes.push("dashed desired");
     if (this.runs.length > 1) notes.push("dotted " + this.hooks.second);
     if (!this.overTime) notes.push("dashed falling");
+    if (this.reference) notes.push("wide closed form");
     for (const name of new Set(this.distant.map((limit) => limit.name))) {
       const values = this.distant.filter((limit) => limit.name === name).map((limit) => Math.abs(limit.value));
       notes.push(name + " " + (values.length > 1 ? "±" : "") + number(values[0]));
@@ -270,8 +290,8 @@ class Plot {
       else pointer.style.transform = `translate(${this.x(valueAt(data, this.panel.x, own))}px,${this.y(valueAt(data, this.panel.lines[0].y, own))}px)`;
     });
     if (!say) return;
-    const data = this.runs[0].data, digits = this.panel.ylabel.includes("rad") && !this.panel.ylabel.includes("m") ? 3 : 1;
-    for (const [output, name] of this.outputs) output.textContent = valueAt(data, name, Math.min(time, data.t[data.count - 1])).toFixed(digits).replace("-", "−");
+    const data = this.runs[0].data, digits = this.panel.digits ?? (this.panel.ylabel.includes("rad") && !this.panel.ylabel.includes("m") ? 3 : 1);
+    for (const [output, name] of this.outputs) output.textContent = told(valueAt(data, name, Math.min(time, data.t[data.count - 1])), digits);
   }
 
   // The time under a pointer: straight from a time axis; in the plane, of the nearest sample, rather one nearby in time.

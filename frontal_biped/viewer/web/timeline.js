@@ -37,6 +37,7 @@ function drawStrips(host, about, seek) {
       place(strip, "part " + phase.phase, phase.start, end, "step " + phase.step + ", " + phase.phase);
     });
     for (const push of run.pushes) {
+      if (push.text) { place(strip, "push", push.start, push.start + push.duration, push.text); continue; }
       const side = push.impulse > 0 ? "to the robot's left" : "to the robot's right";
       place(strip, "push", push.start, push.start + push.duration, "push of " + Math.abs(push.impulse) + " N s " + side);
     }
@@ -56,6 +57,7 @@ function stateAt(run, time) {
 }
 
 // The line of a run in the picture: step, foot, and which of rising, reversal, falling and impact it is in.
+// `readout` says what else stands there as a number.
 function drawCaption(host, run, name) {
   const box = document.createElement("div");
   box.className = "run";
@@ -73,7 +75,8 @@ function drawCaption(host, run, name) {
   let shown = "";
   return (time) => {
     const { phase, lit, over } = stateAt(run, time);
-    const text = name + (over ? "fell: " + run.outcome : "step " + phase.step + ", " + phase.stance + " foot stands");
+    const numbers = (run.readout || []).map((one) => `${one.name} ${told(valueAt(run.data, one.y, time), one.digits)} ${one.unit}`);
+    const text = name + (over ? "fell: " + run.outcome : ["step " + phase.step, phase.stance + " foot stands", ...numbers].join(", "));
     if (shown === text + lit) return;
     shown = text + lit;
     where.textContent = text;

@@ -11,6 +11,9 @@
   }
   window.viewer = viewer;
   const runs = about.runs || [], node = (...path) => viewer.scene_tree.find(path).object;
+  const animator = () => viewer.animator;
+  const duration = () => animator().duration || about.duration || 0;
+  const now = () => Math.min(animator().time, duration());
   const exists = (...path) => {
     let place = viewer.scene_tree;
     for (const name of path) {
@@ -35,16 +38,40 @@
   }
   if (live) viewer.connect("ws://" + location.host + "/");
 
+  // The camera goes along with a robot that goes somewhere, and so does the light that casts its shadow.
+  const leader = about.follow && runs[0].motion ? unpack(runs[0].motion) : null;
+  const way = (time) => (leader && following() ? ["way_x", "way_y"].map((name) => valueAt(leader, name, time)) : [0, 0]);
+  const following = () => { const box = document.querySelector("[data-part=follow]"); return !box || box.checked; };
+  let along = [0, 0];
+  const goAlong = (time) => {
+    if (!leader || !following()) return;
+    const [x, y] = way(time), [dx, dy] = [x - along[0], y - along[1]];
+    along = [x, y];
+    for (const place of [viewer.camera.position, viewer.controls.target]) { place.x += dx; place.z -= dy; }
+    viewer.controls.update();
+    lead(x, y);
+  };
+  const lead = (x, y) => {
+    const light = node("Lights", "SpotLight", "<object>");
+    lamp = lamp || light.position.clone();
+    light.position.set(lamp.x + x, lamp.y + y, lamp.z);
+    light.target.position.set(x, 0, -y);
+    light.target.updateMatrixWorld();
+  };
+  let lamp = null;
+
   // far enough away for everything to be seen, however narrow the window
   const look = () => {
     if (!about.camera) return;
-    const { position, target, half_width } = about.camera;
+    const { position, target, half_width } = about.camera, [wayX, wayY] = way(now());
     const offset = position.map((value, k) => value - target[k]);
     const shown = Math.hypot(...offset) * Math.tan((viewer.camera.fov * Math.PI) / 360) * viewer.camera.aspect;
     const away = Math.max(1, (1.05 * half_width) / shown);
     const own = ([x, y, z]) => [x, z, -y]; // the viewer's own frame has y up
-    viewer.camera.position.set(...own(target.map((value, k) => value + away * offset[k])));
-    viewer.controls.target.set(...own(target));
+    const centre = [target[0] + wayX, target[1] + wayY, target[2]];
+    viewer.camera.position.set(...own(centre.map((value, k) => value + away * offset[k])));
+    viewer.controls.target.set(...own(centre));
+    along = [wayX, wayY];
     viewer.controls.update();
     viewer.set_dirty();
   };
@@ -100,9 +127,6 @@
 
   // ------------------------------------------------------------------ time
   const slider = at("slider"), play = at("play"), speed = at("speed");
-  const animator = () => viewer.animator;
-  const duration = () => animator().duration || about.duration || 0;
-  const now = () => Math.min(animator().time, duration());
   const seek = (wanted) => {
     const time = Math.min(Math.max(wanted, 0), duration());
     animator().pause();
@@ -136,29 +160,31 @@
   });
 
   // ------------------------------------------------------------------ what is shown
-  const PARTS = {
-    force: (run) => [[run.node, "contact", "left", "force"], [run.node, "contact", "right", "force"]],
-    fri: (run) => [[run.node, "contact", "left", "fri"], [run.node, "contact", "right", "fri"]],
-    com: (run) => [[run.node, "centre_of_mass"]],
-    trace: (run) => [[run.node, "trace"]],
-    ghost: () => [["ghost"]],
-    second: () => [["second"]],
-  };
-  const boxes = [...document.querySelectorAll("#toggles input")];
+  const boxes = (about.parts || []).map((part) => {
+    const label = document.createElement("label"), box = document.createElement("input"), sign = document.createElement("i");
+    Object.assign(box, { type: "checkbox", checked: true });
+    box.dataset.part = part.key;
+    sign.className = part.key;
+    label.append(box, sign, part.label);
+    at("toggles").append(label);
+    return [box, part.nodes.map((path) => ["meshcat", ...path])];
+  });
   const choose = () => {
-    for (const box of boxes) {
-      for (const path of runs.flatMap(PARTS[box.dataset.part])) {
-        if (exists("meshcat", ...path)) node("meshcat", ...path).visible = box.checked;
-      }
+    for (const [box, nodes] of boxes) {
+      for (const path of nodes.filter((one) => exists(...one))) node(...path).visible = box.checked;
     }
     viewer.set_dirty();
   };
-  for (const box of boxes) {
-    const part = box.dataset.part;
-    if (part === "ghost" || part === "second") box.parentElement.hidden = !(part === "ghost" ? about.ghost : runs.length > 1);
-    box.addEventListener("change", choose);
+  for (const [box] of boxes) box.addEventListener("change", choose);
+  if (leader) {
+    const label = document.createElement("label"), box = document.createElement("input");
+    Object.assign(box, { type: "checkbox", checked: true });
+    box.dataset.part = "follow";
+    label.append(box, "camera follows");
+    at("toggles").append(label);
+    box.addEventListener("change", () => { if (!turned) look(); else if (box.checked) along = way(now()); });
   }
-  at("toggles").hidden = !runs.length;
+  at("toggles").hidden = !boxes.length;
 
   // The trace grows with time, and the step before stays.
   const uncover = (time) => {
@@ -174,6 +200,19 @@
     }
   };
 
+  // Footsteps stay where a foot has stood.
+  const leave = (time) => {
+    for (const run of runs.filter((one) => one.footsteps)) {
+      for (const [side, times] of Object.entries(run.footsteps.times)) {
+        const count = times.filter((landed) => landed <= time + 1e-6).length;
+        for (const [name, triangles] of Object.entries(run.footsteps.triangles)) {
+          const path = ["meshcat", run.node, "footsteps", side, name];
+          if (exists(...path)) node(...path).traverse((mesh) => mesh.geometry && mesh.geometry.setDrawRange(0, 3 * triangles * count));
+        }
+      }
+    }
+  };
+
   // What MeshCat has no command for: one light casts shadows, markers and ghosts do not; a ghost gives way to the robot
   // where both are in one place, and markers are drawn over both
   const shade = () => {
@@ -182,8 +221,9 @@
       for (const path of paths.filter((one) => exists("meshcat", ...one))) node("meshcat", ...path).traverse(change);
     };
     const ghosts = [...(about.ghost ? [["ghost"]] : []), ...(about.overlaid ? [["second"]] : [])];
-    const marks = runs.flatMap((run) => ["contact", "centre_of_mass", "trace"].map((part) => [run.node, part]));
-    each([...ghosts, ...marks], (part) => { part.castShadow = false; part.receiveShadow = false; });
+    const marks = runs.flatMap((run) => ["contact", "centre_of_mass", "trace", "push"].map((part) => [run.node, part]));
+    const flat = runs.flatMap((run) => ["footsteps", "foothold"].map((part) => [run.node, part]));
+    each([...ghosts, ...marks, ...flat], (part) => { part.castShadow = false; part.receiveShadow = false; });
     each(ghosts, ({ material }) => {
       if (material) Object.assign(material, { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8, depthWrite: false });
     });
@@ -193,6 +233,7 @@
 
   // ------------------------------------------------------------------ captions and plots
   const names = runs.map((run, k) => (runs.length > 1 ? "AB"[k] + ", " + run.robot + ": " : ""));
+  const plotted = runs.filter((run) => run.samples).map((run) => Object.assign(run, { data: unpack(run.samples) }));
   const captions = runs.map((run, k) => drawCaption(at("captions"), run, names[k]));
   drawStrips(at("strips"), { ...about, runs }, seek);
 
@@ -203,11 +244,12 @@
     const start = Math.min(Math.floor(now() / length) * length, whole - length);
     return [Math.max(0, start), Math.max(0, start) + length];
   };
-  const plotted = runs.filter((run) => run.samples).map((run) => ({ ...run, data: unpack(run.samples) }));
   const hooks = { seek, time: now, window: shownTimes, second: "B" };
   const plots = [];
-  if (plotted.length) for (let k = 0; k < 4; k++) plots.push(new Plot(at("plots"), about, plotted, k, hooks));
+  if (plotted.length) for (let k = 0; k < (about.rows ?? 4); k++) plots.push(new Plot(at("plots"), about, plotted, k, hooks));
   document.body.classList.toggle("bare", !plots.length);
+  at("inset").hidden = !about.inset;
+  if (about.inset) plots.push(new Plot(at("inset"), about, plotted, about.panels.findIndex((panel) => panel.key === about.inset), hooks));
   if (about.duration > 8) span.value = "4";
   span.addEventListener("change", () => plots.forEach((plot) => plot.draw()));
   at("fold").addEventListener("click", () => {
@@ -216,10 +258,18 @@
   });
 
   // ------------------------------------------------------------------ every frame
-  let ready = false, last = -1, said = 0;
+  let ready = false, last = -1, said = 0, motions = [];
   const refresh = (clock) => {
     requestAnimationFrame(refresh);
-    if (!ready && animator().duration > 0) { ready = true; shade(); paint(); choose(); pace(); last = -1; }
+    if (!ready && animator().duration > 0) {
+      ready = true;
+      motions = runs.filter((run) => run.motion).map((run) => new Motion(run.motion, (path) => {
+        const whole = ["meshcat", run.node, ...path];
+        return exists(...whole) ? node(...whole) : null;
+      }));
+      shade(); paint(); choose(); pace();
+      last = -1;
+    }
     const time = now(), label = animator().playing ? "Pause" : "Play";
     if (play.textContent !== label) play.textContent = label;
     if (time === last) return;
@@ -229,6 +279,9 @@
     at("clock").textContent = time.toFixed(2) + " / " + duration().toFixed(2) + " s";
     for (const tell of captions) tell(time);
     uncover(time);
+    leave(time);
+    for (const motion of motions) motion.pose(time);
+    goAlong(time);
     viewer.set_dirty();
     const say = !animator().playing || clock - said > 80; // digits that can be read
     if (say) said = clock;
