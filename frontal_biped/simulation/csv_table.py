@@ -8,6 +8,7 @@ torque of each of the four joints; ground reaction and FRI. ``--coordinates stan
 
 import csv
 import io
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -43,12 +44,10 @@ def run_table(
     Returns:
         Names with their units in brackets, and as many texts in each row; numbers at full precision.
     """
-    if coordinates not in COORDINATES:
-        raise ValueError(f"coordinates = {coordinates!r} is none of {', '.join(COORDINATES)}")
+    check_coordinates(coordinates)
     run = drawable(trajectory)
     if rate is not None:
-        count = int(np.floor((run.t[-1] - run.t[0]) * rate + 1e-9)) + 1
-        run = resample(run, run.t[0] + np.arange(count) / rate)
+        run = resample(run, even_times(run.t, rate))
     columns: dict[str, list[Any]] = {
         "time [s]": run.t.tolist(),
         "step [-]": (run.step.astype(int) + 1).tolist(),
@@ -59,11 +58,26 @@ def run_table(
         columns |= _urdf_columns(biped, run)
     if coordinates != "urdf":
         columns |= _stance_columns(run)
-    rows = [
+    return list(columns), table_rows(columns)
+
+
+def check_coordinates(coordinates: str) -> None:
+    """Raise ValueError for a name that is none of `COORDINATES`."""
+    if coordinates not in COORDINATES:
+        raise ValueError(f"coordinates = {coordinates!r} is none of {', '.join(COORDINATES)}")
+
+
+def even_times(t: FloatArray, rate: float) -> FloatArray:
+    """(K,) instants at a rate [1/s], from the first sample of a run to its last at t (T,) [s]."""
+    return t[0] + np.arange(int(np.floor((t[-1] - t[0]) * rate + 1e-9)) + 1) / rate
+
+
+def table_rows(columns: Mapping[str, Sequence[Any]]) -> list[list[str]]:
+    """The rows of a table, numbers as texts at full precision."""
+    return [
         [value if isinstance(value, str) else repr(value) for value in row]
         for row in zip(*columns.values(), strict=True)
     ]
-    return list(columns), rows
 
 
 def table_csv(header: list[str], rows: list[list[str]]) -> str:
