@@ -113,6 +113,7 @@ class ProxQpSolver:
         retry: set up afresh and try once more when the accuracy is not reached?
         relative: tolerance on residuals relative to the terms they are made of, beside ``accuracy``.
         penalty_parameter: ProxQP's mu of the inequalities at the start of a solve; None: its default of 0.1.
+        max_inner_iterations: at each outer one.
     """
 
     def __init__(
@@ -122,12 +123,14 @@ class ProxQpSolver:
         retry: bool = True,
         relative: float = 0.0,
         penalty_parameter: float | None = None,
+        max_inner_iterations: int = MAX_INNER_ITERATIONS,
     ) -> None:
         self.accuracy = accuracy
         self.retry = retry
         self.relative = relative
         self.penalty_parameter = penalty_parameter
         self.max_iterations = max_iterations
+        self.max_inner_iterations = max_inner_iterations
         self._solver: Any = None
         self._shape: tuple[int, int, int] | None = None
 
@@ -178,7 +181,7 @@ class ProxQpSolver:
         solver.settings.eps_abs = self.accuracy
         solver.settings.eps_rel = self.relative
         solver.settings.max_iter = self.max_iterations
-        solver.settings.max_iter_in = MAX_INNER_ITERATIONS
+        solver.settings.max_iter_in = self.max_inner_iterations
         solver.settings.check_duality_gap = True
         solver.settings.eps_duality_gap_abs = self.accuracy
         solver.settings.eps_duality_gap_rel = self.relative

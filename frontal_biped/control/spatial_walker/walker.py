@@ -159,7 +159,7 @@ class SpatialWalker:
         solution = self.program.solve(state, WholeBodyTargets(stance, targets, cop, swing, self._posture, soft))
         self._expected = seen.dq + self.period * (seen.J @ solution.dv + seen.drift)
         if not self._sent:  # nothing else was on its way
-            self._sent.extend([self._still] * self._on_the_way)
+            self._sent.extend([solution.dv] * self._on_the_way)
         self._sent.append(solution.dv)
         return SpatialCommand(
             solution.tau,

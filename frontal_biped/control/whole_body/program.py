@@ -37,7 +37,7 @@ from frontal_biped.numerics.quadratic_program import UNBOUNDED, ProxQpSolver, Qu
 ACCELERATION = 100.0
 """Unit of accelerations in the program's rows [rad/s^2]: one absolute tolerance fits all."""
 
-ACCURACY, ITERATIONS = 1e-8, 100
+ACCURACY, ITERATIONS, INNER = 1e-8, 30, 60
 
 STANDING = 1e3
 """Weight of the foot's standing where it is a target, against that of the outputs [-]."""
@@ -89,8 +89,8 @@ class WholeBodyProgram:
         self._weight = weights(self.rows, settings)
         self._weight[[FRI, COP]] /= free.weight * 0.01  # of a moment, in the weight times a centimetre
         self._A = np.zeros((NATURE + LEGS + len(self._outside), size))
-        self._solver = ProxQpSolver(accuracy=ACCURACY, max_iterations=ITERATIONS)
-        self._relaxed = ProxQpSolver(accuracy=ACCURACY, max_iterations=ITERATIONS)
+        self._solver = ProxQpSolver(accuracy=ACCURACY, max_iterations=ITERATIONS, max_inner_iterations=INNER)
+        self._relaxed = ProxQpSolver(accuracy=ACCURACY, max_iterations=ITERATIONS, max_inner_iterations=INNER)
         self.reset()
 
     def reset(self) -> None:

@@ -112,11 +112,12 @@ class TaskRows:
         A[FRI, mx], A[FRI, fz] = 1.0, stance.sign * wanted.p_fri  # y = -sign h
         A[COP, my], A[COP, fz] = 1.0, targets.cop_x
         b[FRI] = b[COP] = 0.0
+        firm = max(soft, s.length_softness)
         for i, side in enumerate((stance, swing)):
             leg = state.legs[side]
             A[LENGTHS.start + i, :nv] = leg.J[LENGTH]
             error = leg.values[LENGTH] - state.lengths[side]
-            b[LENGTHS.start + i] = _held(s.length, max(soft, s.length_softness), error, leg.rates[LENGTH]) - leg.drift[LENGTH]
+            b[LENGTHS.start + i] = _held(s.length, firm, error, leg.rates[LENGTH]) - leg.drift[LENGTH]
         pelvis = state.pelvis
         A[PELVIS, :nv] = pelvis.J[PITCH:]
         b[PELVIS] = _held(s.pelvis, soft, pelvis.angles[PITCH:], pelvis.rates[PITCH:]) - pelvis.drift[PITCH:]
