@@ -74,7 +74,7 @@ def solve_least_distance(H: FloatArray, g: FloatArray, C: FloatArray, c: FloatAr
     g_y = inverse @ g
     G = _product(inverse, C.T)  # (n, k), one column a constraint
     h = c + C @ (inverse.T @ g_y)
-    multipliers = _polished(G, h, nearest_point(G, h))
+    multipliers = polished(G, h, nearest_point(G, h))
     y = G @ multipliers
     return LeastDistance(inverse.T @ (y - g_y), multipliers)
 
@@ -112,8 +112,8 @@ def _product(A: FloatArray, B: FloatArray) -> FloatArray:
     return np.concatenate(pieces, axis=1) if pieces else np.zeros((len(A), 0))
 
 
-def _polished(G: FloatArray, h: FloatArray, multipliers: FloatArray) -> FloatArray:
-    """Multipliers with the active constraints met exactly: (G_a' G_a) multipliers_a = h_a."""
+def polished(G: FloatArray, h: FloatArray, multipliers: FloatArray) -> FloatArray:
+    """Multipliers (k,) of `nearest_point` with the active constraints met exactly: (G_a' G_a) multipliers_a = h_a."""
     active = multipliers > 0.0
     columns = G[:, active]
     try:

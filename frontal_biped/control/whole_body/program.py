@@ -1,4 +1,4 @@
-r"""The whole-body program: the linear system while no limit is active, ProxQP where one is.
+r"""The whole-body program: torques of every joint.
 
     minimise    1/2 |W (T x - t)|^2
     subject to  base dynamics, stance foot at rest
@@ -7,22 +7,26 @@ r"""The whole-body program: the linear system while no limit is active, ProxQP w
                 centre of pressure inside the sole, yaw moment inside what friction holds there
                 accelerations that keep every joint inside its range and speed
 
-Joints outside the legs give way first, then the swing foot and the pelvis, then the lengths and the centre of pressure,
-last the paper's outputs. Where nothing keeps all limits, ranges and speeds give way, then the standing foot: torque
-limits and what the contact can carry are never asked to.
+There are as many targets as freedoms: while no limit is active the solution is that of a linear system, and where some
+are, the nearest point of a polyhedron (`nearest`), in the same coordinates. ProxQP solves the same program where that
+is asked for (`WholeBodySettings.solver`), or where rounding leaves the exact way undecided.
+
+Joints outside the legs give way first, then the swing foot and the pelvis, then the lengths, the centre of pressure and
+the paper's outputs. Where nothing keeps all limits, ranges and speeds give way, then the standing foot: torque limits
+and what the contact can carry are never asked to.
 """
 
 import numpy as np
-from scipy.linalg.lapack import dgesv
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.whole_body.limits import CONTACT, LOADED, UNLIMITED, Bounds, MotionLimits, contact_rows
+from frontal_biped.control.whole_body.motion import Motion, MotionSolver, SingularRowsError
+from frontal_biped.control.whole_body.nearest import ACCELERATION, LimitRows
 from frontal_biped.control.whole_body.settings import WholeBodySettings
 from frontal_biped.control.whole_body.targets import NOTHING, WholeBodySolution, WholeBodyTargets
 from frontal_biped.control.whole_body.tasks import (
     COP,
     FRI,
-    LEGS,
     NATURE,
     WRENCH,
     Rows,
@@ -32,12 +36,13 @@ from frontal_biped.control.whole_body.tasks import (
 from frontal_biped.model.space.free_robot import BASE, FreeRobot
 from frontal_biped.model.space.virtual_legs import SpaceState
 from frontal_biped.model.stance_map import Stance
+from frontal_biped.numerics.least_distance import NoFeasiblePointError
 from frontal_biped.numerics.quadratic_program import UNBOUNDED, ProxQpSolver, QuadraticProgram
 
-ACCELERATION = 100.0
-"""Unit of accelerations in the program's rows [rad/s^2]: one absolute tolerance fits all."""
-
 ACCURACY, ITERATIONS, INNER = 1e-8, 30, 60
+
+LEVER = 0.01
+"""Of the weight, a moment that is worth as much as 1 rad/s^2 of an output [m]."""
 
 STANDING = 1e3
 """Weight of the foot's standing where it is a target, against that of the outputs [-]."""
@@ -54,8 +59,8 @@ class WholeBodyProgram:
         settings: gains, limits and weights.
 
     Attributes:
-        counts: ticks by how they were answered: by the linear system, by the program, by the program with limits that
-            gave way, by the last answer held.
+        counts: ticks by how they were answered: by the linear system, by the nearest point with limits active, by
+            ProxQP, with limits that gave way, by the last answer held.
     """
 
     def __init__(self, free: FreeRobot, settings: WholeBodySettings) -> None:
@@ -74,21 +79,19 @@ class WholeBodyProgram:
         self._floor = np.zeros(CONTACT)
         self._floor[LOADED] = settings.min_normal_force * free.weight
 
-        # of the linear system: joints outside the legs are given, one row each
-        self._outside = BASE + self.rows.outside
-        self._core = np.setdiff1d(np.arange(size), self._outside)
-        self._K = np.zeros((NATURE + LEGS, len(self._core)))
-        self._x = np.zeros(size)
-        self._square = len(self._core) == NATURE + LEGS
+        worth = weights(self.rows, settings)
+        worth[[FRI, COP]] /= free.weight * LEVER
+        self._weight = worth
+        self._motions = MotionSolver(self.rows, worth, STANDING)
+        self._limits = LimitRows(self._effort, free.weight)
+        self._targets = len(worth)
 
         k = CONTACT + 2 * n
         self._C = np.zeros((k, size))
         self._l, self._u = np.zeros(k), np.full(k, UNBOUNDED)
         self._torque_rows, self._motion_rows = slice(CONTACT, CONTACT + n), slice(CONTACT + n, k)
         self._C[self._motion_rows, BASE : self._nv] = np.eye(n) / ACCELERATION
-        self._weight = weights(self.rows, settings)
-        self._weight[[FRI, COP]] /= free.weight * 0.01  # of a moment, in the weight times a centimetre
-        self._A = np.zeros((NATURE + LEGS + len(self._outside), size))
+        self._A = np.zeros((NATURE + len(worth), size))
         self._solver = ProxQpSolver(accuracy=ACCURACY, max_iterations=ITERATIONS, max_inner_iterations=INNER)
         self._relaxed = ProxQpSolver(accuracy=ACCURACY, max_iterations=ITERATIONS, max_inner_iterations=INNER)
         self.reset()
@@ -96,52 +99,58 @@ class WholeBodyProgram:
     def reset(self) -> None:
         """Forget what was solved before."""
         self._last = NOTHING
-        self.counts = {"linear": 0, "program": 0, "relaxed": 0, "held": 0}
+        self.counts = dict.fromkeys(("linear", "limited", "program", "relaxed", "held"), 0)
 
     def solve(self, state: SpaceState, targets: WholeBodyTargets) -> WholeBodySolution:
         """The torques at a state."""
-        rows = self.rows.write(state, targets)
-        bounds = self._motion.at(state)
-        solution = self._linear(rows, state, targets.stance, bounds)
+        stance = targets.stance
+        rows, bounds = self.rows.write(state, targets), self._motion.at(state)
+        solution = None
+        if self.settings.solver == "exact":
+            solution = self._exact(rows, state, stance, bounds)
         if solution is None:
-            solution = self._programmed(rows, state, targets.stance, bounds)
+            solution = self._programmed(rows, state, stance, bounds)
         self._last = solution
         return solution
 
-    # ------------------------------------------------------------------ no limit active
-    def _linear(self, rows: Rows, state: SpaceState, stance: Stance, bounds: Bounds) -> WholeBodySolution | None:
-        """The solution of the rows alone, if it keeps every limit."""
-        if not self._square:
+    # ------------------------------------------------------------------ the exact way
+    def _exact(self, rows: Rows, state: SpaceState, stance: Stance, bounds: Bounds) -> WholeBodySolution | None:
+        """The solution; None where rounding leaves it undecided."""
+        motions, contact = self._motions, self._contact[stance]
+        try:
+            motions.factorise(rows, state, stance)
+            motion = motions.meeting_all()
+            if self._kept(motion, contact, bounds):
+                return self._answer("linear", motion)
+            along = motions.missing()
+        except SingularRowsError:
             return None
-        x, core, count = self._x, self._core, NATURE + LEGS
-        x[self._outside] = rows.b[count:]
-        np.take(rows.A[:count], core, axis=1, out=self._K, mode="clip")
-        given = rows.A[:count, self._outside] @ rows.b[count:]
-        _, _, solved, singular = dgesv(self._K, rows.b[:count] - given)
-        if singular:
-            return None
-        x[core] = solved
-        dv, w = x[: self._nv].copy(), x[self._nv :].copy()
-        tau = self._torques(state, stance, dv, w)
-        joints = dv[BASE:]
-        kept = (
-            (np.abs(tau) <= self._effort).all()
-            and (self._contact[stance] @ w >= self._floor).all()
+        asked = Motion(along.x[:, : self._targets], along.tau[:, : self._targets])
+        for how, columns, kept in (("limited", asked, bounds), ("relaxed", along, None)):
+            polyhedron = self._limits.at(motion, columns, contact, self._floor, kept)
+            try:
+                r, _ = polyhedron.nearest()
+            except NoFeasiblePointError:
+                continue
+            return self._answer(how, Motion(motion.x + columns.x @ r, motion.tau + columns.tau @ r))
+        return None
+
+    def _kept(self, motion: Motion, contact: FloatArray, bounds: Bounds) -> bool:
+        joints = motion.x[BASE : self._nv]
+        return bool(
+            (np.abs(motion.tau) <= self._effort).all()
+            and (contact @ motion.x[self._nv :] >= self._floor).all()
             and (joints <= bounds.upper).all()
             and (joints >= bounds.lower).all()
         )
-        if not kept:
-            return None
-        self.counts["linear"] += 1
-        return WholeBodySolution(tau, dv, w, True)
 
-    def _torques(self, state: SpaceState, stance: Stance, dv: FloatArray, w: FloatArray) -> FloatArray:
-        tau: FloatArray = state.M[BASE:] @ dv
-        tau += state.bias[BASE:]
-        tau -= w @ state.feet[stance].J[:, BASE:]
-        return tau
+    def _answer(self, how: str, motion: Motion) -> WholeBodySolution:
+        self.counts[how] += 1
+        given_way = GIVEN_WAY if how == "relaxed" else ""
+        tau = np.clip(motion.tau, -self._effort, self._effort)  # of rounding
+        return WholeBodySolution(tau, motion.x[: self._nv], motion.x[self._nv :], not given_way, given_way)
 
-    # ------------------------------------------------------------------ limits active
+    # ------------------------------------------------------------------ by ProxQP
     def pose(self, rows: Rows, state: SpaceState, stance: Stance, bounds: Bounds) -> QuadraticProgram:
         """The program in scaled variables; its arrays are overwritten by the next call."""
         nv, scale, A = self._nv, self._scale, self._A
@@ -167,15 +176,15 @@ class WholeBodyProgram:
 
     def _programmed(self, rows: Rows, state: SpaceState, stance: Stance, bounds: Bounds) -> WholeBodySolution:
         qp = self.pose(rows, state, stance, bounds)
-        answer = self._solver.solve(qp)
-        if answer.solved:
-            self.counts["program"] += 1
-            return self._solution(answer.x, state, stance, True, "")
-        qp = self.relaxed(qp)
-        answer = self._relaxed.solve(qp)
-        if answer.solved:
-            self.counts["relaxed"] += 1
-            return self._solution(answer.x, state, stance, False, GIVEN_WAY)
+        for how, solver in (("program", self._solver), ("relaxed", self._relaxed)):
+            if how == "relaxed":
+                qp = self.relaxed(qp)
+            answer = solver.solve(qp)
+            if answer.solved:
+                x = answer.x * self._scale
+                J = state.feet[stance].J[:, BASE:]
+                tau = state.M[BASE:] @ x[: self._nv] + state.bias[BASE:] - x[self._nv :] @ J
+                return self._answer(how, Motion(x, tau))
         self.counts["held"] += 1
         tau = self._last.tau if len(self._last.tau) else np.zeros(self._n)
         return WholeBodySolution(tau, np.zeros(self._nv), self._last.wrench, False, HELD)
@@ -183,13 +192,5 @@ class WholeBodyProgram:
     def relaxed(self, qp: QuadraticProgram) -> QuadraticProgram:
         """The same without the joints' motion, and the foot's standing a target: it always has a solution."""
         k = self._motion_rows.start
-        S, s = STANDING * qp.A[BASE:], STANDING * qp.b[BASE:]
+        S, s = STANDING * ACCELERATION * qp.A[BASE:], STANDING * ACCELERATION * qp.b[BASE:]
         return QuadraticProgram(qp.H + S.T @ S, qp.g - s @ S, qp.A[:BASE], qp.b[:BASE], qp.C[:k], qp.l[:k], qp.u[:k])
-
-    def _solution(
-        self, scaled: FloatArray, state: SpaceState, stance: Stance, solved: bool, given_way: str
-    ) -> WholeBodySolution:
-        x = scaled * self._scale
-        dv, w = x[: self._nv], x[self._nv :]
-        tau = self._torques(state, stance, dv, w)
-        return WholeBodySolution(np.clip(tau, -self._effort, self._effort), dv, w, solved, given_way)

@@ -25,6 +25,7 @@ class WholeBodySettings:
         speed_share: share of the joints' largest speed that may be used.
         range_margin: kept from the ends of the joints' ranges [rad].
         limit_rate: at which a joint may approach the end of its range or its speed [1/s].
+        solver: "exact", in the residuals of the rows (see `nearest`), or "proxqp", at every tick.
     """
 
     output: float = 60.0
@@ -42,3 +43,4 @@ class WholeBodySettings:
     speed_share: float = 0.95
     range_margin: float = 0.01
     limit_rate: float = 50.0
+    solver: str = "exact"
