@@ -2,11 +2,12 @@
 
 The planar map holds every joint but the four roll joints rigidly. In space only reflected rotor inertia holds them:
 with none of it, knees and hips give way and the landing is far softer; as it grows on the held joints, the landing
-tends to the planar map (`model.space.landing`). A gait is landed at the end of its falling phase, standing on the left
-foot.
+tends to the planar map (`model.space.landing`). With virtual legs it tends to another one: there the held joints turn
+before the landing too, and large rotors keep their rates. A gait is landed at the end of its falling phase, standing on
+the left foot.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,10 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.impact import impact
+from frontal_biped.model.robot import Soles
 from frontal_biped.model.space.free_robot import BASE, FreeRobot
 from frontal_biped.model.space.landing import SpatialLanding, land
+from frontal_biped.model.space.plane_masses import F_V, S_V, PlaneMasses
 from frontal_biped.model.space.virtual_legs import LENGTH, PITCH, YAW, SpaceState
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
@@ -62,6 +65,11 @@ class Landed:
     friction: float
     in_sole: bool
 
+    @property
+    def energy_lost(self) -> float:
+        """Kinetic energy before less that after [J]."""
+        return self.energy_before - self.energy_after
+
     def as_dict(self) -> dict[str, Any]:
         """For JSON, which knows no infinity."""
         rotors = "held" if self.rotors == np.inf else "as described" if self.rotors is None else self.rotors
@@ -73,8 +81,7 @@ class FreeLandingReport:
     """The landing of a gait in the plane and in space.
 
     Attributes:
-        planar: the planar impact; how far ahead of the ankle its impulse acts is that of the robot in space whose
-            other joints are held.
+        planar: the planar impact.
         described: in space, with the rotor inertia of the description.
         bare: without rotor inertia on any joint.
         jumps: of the rates of those joints that the plane holds and the landing turns most, as described [rad/s].
@@ -112,6 +119,7 @@ _ROWS = {
     "vertical impulse [N s]": "vertical_impulse",
     "kinetic energy before [J]": "energy_before",
     "kinetic energy after [J]": "energy_after",
+    "  lost [J]": "energy_lost",
     "dbeta after [rad/s]": "dbeta_after",
     "new stance leg grows longer by [m/s]": "leg_rate",
     "pelvis pitch rate [rad/s]": "pelvis_pitch_rate",
@@ -154,7 +162,7 @@ def free_landing(biped: FrontalBiped, gait: Gait, swept: tuple[float, ...] = SWE
     jumps = np.where(rolls, 0.0, described.v_plus[BASE:] - start.v[BASE:])
     largest = np.argsort(-np.abs(jumps))[:JUMPS]
     return FreeLandingReport(
-        planar=_planar(biped, state, with_others(np.inf)),
+        planar=_planar(biped, state),
         described=_landed(after.at(start.q, described.v_plus), described, None),
         bare=landed(np.zeros(len(rolls)), 0.0),
         jumps={robot.joint_names[joint]: float(jumps[joint]) for joint in largest},
@@ -162,38 +170,53 @@ def free_landing(biped: FrontalBiped, gait: Gait, swept: tuple[float, ...] = SWE
     )
 
 
-def _planar(biped: FrontalBiped, state: State, held: Landed) -> Landed:
-    """The planar impact; ``held`` is the same one in space, legs as they are."""
-    landing = impact(biped, *state)
-    before, after = (0.5 * float(dq @ biped.D(q) @ dq) for q, dq in (state, landing.state))
-    return replace(
-        held,
+def _planar(biped: FrontalBiped, state: State) -> Landed:
+    """The planar impact; how far ahead its impulse acts follows from the momentum of each mass weighted by its x."""
+    landing, side = impact(biped, *state), STANCE.other
+    old, new = PlaneMasses.of(biped, STANCE), PlaneMasses.of(biped, side)
+    rest = np.zeros((1, 4))
+    before, after = (
+        robot.along(q[None], dq[None], rest).A[[F_V, S_V], 0] for robot, (q, dq) in ((old, state), (new, landing.state))
+    )
+    before[1] -= old.swing_ahead * before[0]
+    lifted, weighted = after - before
+    energies = (0.5 * float(dq @ biped.D(q) @ dq) for q, dq in (state, landing.state))
+    x, inwards = float(weighted / lifted), -landing.center_of_pressure
+    return Landed(
+        rotors=np.inf,
         vertical_impulse=float(landing.impulse[1]),
-        energy_before=before,
-        energy_after=after,
+        energy_before=next(energies),
+        energy_after=next(energies),
         dbeta_after=float(landing.dq_plus[0]),
-        cop=(held.cop[0], -landing.center_of_pressure),
+        leg_rate=0.0,
+        pelvis_pitch_rate=0.0,
+        pelvis_yaw_rate=0.0,
+        cop=(x, inwards),
         friction=landing.friction_used,
+        in_sole=_contains(biped.robot.soles, x, inwards),
     )
 
 
 def _landed(after: SpaceState, landing: SpatialLanding, rotors: float | None) -> Landed:
     """What is seen of a landing; ``after`` has its velocity."""
     side = STANCE.other
-    leg, (sole,) = after.legs[side], (sole for sole in after.free.soles if sole.side is side)
     x, y = landing.cop.tolist()
     inwards = -side.sign * y
-    inside = -sole.back <= x <= sole.front and -sole.outer <= inwards <= sole.inner
     return Landed(
         rotors=rotors,
         vertical_impulse=float(landing.impulse[2]),
         energy_before=landing.energy_before,
         energy_after=landing.energy_after,
         dbeta_after=float(after.frontal(side).dq[0]),
-        leg_rate=float(leg.rates[LENGTH]),
+        leg_rate=float(after.legs[side].rates[LENGTH]),
         pelvis_pitch_rate=float(after.pelvis.rates[PITCH]),
         pelvis_yaw_rate=float(after.pelvis.rates[YAW]),
         cop=(x, inwards),
         friction=landing.friction_used,
-        in_sole=inside,
+        in_sole=_contains(after.free.soles, x, inwards),
     )
+
+
+def _contains(soles: Soles, x: float, inwards: float) -> bool:
+    (sole,) = (sole for sole in soles if sole.side is STANCE.other)
+    return -sole.back <= x <= sole.front and -sole.outer <= inwards <= sole.inner

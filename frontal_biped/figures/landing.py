@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 _PANELS = (
     ("vertical_impulse", "vertical\nimpulse [N s]"),
-    ("energy_after", "kinetic energy\nafter [J]"),
+    ("energy_lost", "kinetic energy\nlost [J]"),
     ("dbeta_after", r"$\dot\beta$ after" + "\n[rad/s]"),
 )
 

@@ -73,6 +73,7 @@ class PlaneMasses:
         inertia: (5,) about the centre of mass, out of the plane [kg m^2].
         depth: (5,) integral of x dm [kg m], x from the stance ankle.
         depth_moment: (5, 2) integral of x (h, v) dm [kg m^2].
+        swing_ahead: x of the swing ankle [m].
     """
 
     stance: Stance
@@ -82,10 +83,11 @@ class PlaneMasses:
     inertia: FloatArray
     depth: FloatArray
     depth_moment: FloatArray
+    swing_ahead: float
 
     @classmethod
     def of(cls, biped: FrontalBiped, stance: Stance) -> "PlaneMasses":
-        """Of the robot of a URDF: neither averaged nor perturbed."""
+        """Of the robot of a URDF, neither averaged nor perturbed; with virtual legs, each leg turns as one body."""
         model, data = biped.spatial_model, biped.spatial_model.createData()
         pin.forwardKinematics(model, data, biped.spatial_reference)
         order = ROLL_JOINTS if stance is Stance.LEFT else ROLL_JOINTS[::-1]
@@ -107,6 +109,7 @@ class PlaneMasses:
             inertia=np.array([body.inertia[0, 0] for body in bodies]),
             depth=mass * com[:, 0],
             depth_moment=((mass * com[:, 0])[:, None] * com[:, 1:] - products) * to_plane,
+            swing_ahead=float(places[-1, 0]),
         )
 
     def along(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> PlaneDynamics:
