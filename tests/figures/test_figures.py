@@ -11,9 +11,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from frontal_biped.exceptions import MissingExtraError
+from frontal_biped.analysis.free_landing import free_landing
+from frontal_biped.exceptions import MissingExtraError, RobotError
 from frontal_biped.figures import write as figures
 from frontal_biped.figures.time import clearance_profile
+from frontal_biped.gait import load_gait
+from frontal_biped.model import Robot, load_robot, models_dir
 
 COLUMN_WIDTH = 3.5  # [in] of a two-column paper
 LEAST_FONT = 8.0  # [pt]
@@ -257,3 +260,45 @@ def test_each_format_is_written(kind, biped, orbit, tmp_path):
     assert path.read_bytes().startswith(start)
     again = figures.write_figure(tmp_path / "again", "torques", figures.torques(biped, orbit), (kind,))[0]
     assert again.read_bytes() == path.read_bytes()
+
+
+# ---------------------------------------------------------------------- robots with joints besides the four roll joints
+@pytest.fixture(scope="module")
+def humanoid():
+    return load_robot("talos_full"), load_gait(models_dir() / "talos_full.gait.json")
+
+
+@pytest.fixture(scope="module")
+def landing(humanoid):
+    return free_landing(*humanoid)
+
+
+def test_figures_in_space_come_behind_the_others(humanoid):
+    names = [name for name, _ in figures.all_figures(*humanoid)]
+    assert names == [*figures.FIGURES, *figures.FIGURES_IN_SPACE]
+
+
+def test_landing_fits_a_column(landing):
+    for rotors in (0.0, 0.1):
+        figure = figures.free_landing_figure(landing, rotors)
+        assert_fit_for_a_column(figure)
+        axes = figure.get_axes()
+        assert UNIT.search(axes[-1].get_xlabel()) and all(UNIT.search(ax.get_ylabel()) for ax in axes)
+
+
+def test_landing_shows_the_numbers(landing):
+    """Curve, line and mark of the first panel; where rotors do nothing the mark is at the left end."""
+    curve, line, mark = figures.free_landing_figure(landing, 0.1).get_axes()[0].get_lines()
+    np.testing.assert_array_equal(curve.get_ydata(), [one.vertical_impulse for one in landing.swept])
+    assert set(line.get_ydata()) == {landing.planar.vertical_impulse}
+    assert (mark.get_xdata()[0], mark.get_ydata()[0]) == (0.1, landing.described.vertical_impulse)
+    *_, mark = figures.free_landing_figure(landing, 0.0).get_axes()[0].get_lines()
+    assert mark.get_xdata()[0] == curve.get_xdata()[0] == landing.swept[0].rotors
+
+
+def test_feet_of_unknown_length_leave_the_landing_out(humanoid, monkeypatch):
+    def unknown(self):
+        raise RobotError("the length of the sole cannot be measured")
+
+    monkeypatch.setattr(Robot, "soles", property(unknown))
+    assert [name for name, _ in figures.all_figures(*humanoid)] == list(figures.FIGURES)
