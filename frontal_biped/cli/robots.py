@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from frontal_biped.cli.arguments import add_json
+from frontal_biped.cli.arguments import add_json, positive_float
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
 from frontal_biped.cli.output import emit
 from frontal_biped.exceptions import RobotError
@@ -25,13 +25,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="R.toml",
         help="print a description with a posture at which roll axes are parallel, feet flat and the robot balanced",
     )
+    task.add_argument(
+        "--bend",
+        metavar="R.toml",
+        help="print a description whose knees are bent far enough for steps, to walk in space",
+    )
+    parser.add_argument(
+        "--step-length",
+        metavar="M",
+        type=positive_float,
+        help="with --bend: distance of the feet, m; default: 0.3 of the length of a leg",
+    )
     parser.add_argument("-o", "--output", metavar="R.toml", type=Path, help="description to write; default: print it")
     add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """List the robots, or propose."""
-    if arguments.describe is not None or arguments.posture is not None:
+    if any(task is not None for task in (arguments.describe, arguments.posture, arguments.bend)):
         return _propose(arguments)
     emit(arguments, *_list())
     return SUCCESS
@@ -81,6 +92,7 @@ def _propose(arguments: argparse.Namespace) -> int:
     """Print or write a proposed description; exit status 1 if something is left for the user to settle."""
     from frontal_biped.files.atomic import require_parent, write_text
     from frontal_biped.model.catalogue import description_path
+    from frontal_biped.model.urdf.bent_proposal import propose_bent_posture
     from frontal_biped.model.urdf.packages import EXAMPLE_ROBOT_DATA
     from frontal_biped.model.urdf.proposal import propose_description, propose_posture
 
@@ -89,6 +101,8 @@ def _propose(arguments: argparse.Namespace) -> int:
         require_parent(output)
     if arguments.describe is not None:
         proposal = propose_description(arguments.describe)
+    elif arguments.bend is not None:
+        proposal = propose_bent_posture(description_path(arguments.bend), arguments.step_length)
     else:
         proposal = propose_posture(description_path(arguments.posture))
     shown = proposal.text.removesuffix("\n")
