@@ -24,6 +24,7 @@ from frontal_biped.simulation.mujoco.spec import (
     ContactSettings,
     add_ground,
     add_sole,
+    import_mujoco,
     inertia_of,
     lock,
     read_spec,
@@ -74,6 +75,8 @@ def mujoco_space_spec(free: FreeRobot, contact: ContactSettings) -> "MjSpec":
     spec.compiler.boundmass = spec.compiler.boundinertia = SMALLEST
     root.add_freejoint()
     add_ground(spec, contact)
+    # a state that is no longer finite is a fall, not a new beginning
+    spec.option.disableflags |= import_mujoco().mjtDisableBit.mjDSBL_AUTORESET
     return spec
 
 
