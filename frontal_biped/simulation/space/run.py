@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.exceptions import TrajectoryFileError
 from frontal_biped.files.archive import ArchiveKind, read_archive, write_archive
 from frontal_biped.simulation.trajectory import COMPLETED
 
@@ -109,10 +110,52 @@ class SpatialRun:
         """(k,) indices of the events of one kind."""
         return np.array([i for i, name in enumerate(self.event_kind) if name == kind], dtype=np.int64)
 
+    @property
+    def landings(self) -> FloatArray:
+        """(k,) times of the landings, the start of the run among them [s]."""
+        return self.event_t[self.events("IMPACT")]
+
+    @property
+    def step_durations(self) -> FloatArray:
+        """(k,) of whole steps [s]."""
+        durations: FloatArray = np.diff(self.landings)
+        return durations
+
+    @property
+    def post_impact_speeds(self) -> FloatArray:
+        """(k,) frontal dbeta right after each landing [rad/s]."""
+        return self.event_frontal[self.events("IMPACT"), self.frontal_q.shape[1]]
+
+    def footprints(self) -> FloatArray:
+        """(k, 4) for each step x, y [m] and yaw [rad] of its stance foot half-way through it, and +1 left, -1 right."""
+        rows = []
+        for step in np.unique(self.step):
+            of_step = np.flatnonzero(self.step == step)
+            middle = of_step[len(of_step) // 2]
+            foot = 0 if self.stance[middle] > 0.0 else 1
+            rows.append([*self.sole_position[middle, foot, :2], self.sole_yaw[middle, foot], self.stance[middle]])
+        return np.array(rows).reshape(-1, 4)
+
+    def mean_speed(self, first_landing: int = 0) -> float:
+        """Speed of the centre of mass along X from a landing to the last one [m/s]; nan without a whole step."""
+        landings = self.landings[first_landing:]
+        if len(landings) < 2:
+            return float("nan")
+        x = np.interp(landings[[0, -1]], self.t, self.com[:, 0])
+        return float((x[1] - x[0]) / (landings[-1] - landings[0]))
+
 
 _ARRAYS = tuple(f.name for f in fields(SpatialRun) if f.type is FloatArray)
 SAMPLED = tuple(name for name in _ARRAYS if not name.startswith("event_"))
 _TUPLES = ("event_kind", "joint_names", "locked")
+_TEXT_TYPES: dict[str, type] = {
+    **dict.fromkeys(_TUPLES, list), "robot": str, "outcome": str, "steps_completed": int, "gait": dict, "settings": dict
+}  # fmt: skip
+# shapes behind the time of arrays that depend on no number of joints; left out: none
+_TRAILING = {
+    "wrench": (2, 6), "contact": (2,), "com": (3,), "com_velocity": (3,), "sole_position": (2, 3), "sole_yaw": (2,),
+    "frontal_q": (4,), "frontal_dq": (4,), "frontal_y": (3,), "foothold": (3,), "event_frontal": (8,),
+}  # fmt: skip
 _TEXT = (*_TUPLES, "robot", "outcome", "steps_completed", "gait", "settings")
 
 
@@ -126,7 +169,25 @@ def load_spatial_run(path: Path | str) -> SpatialRun:
     """Read a run file.
 
     Raises:
-        TrajectoryFileError: the file is missing, cut off, or not a walk in space.
+        TrajectoryFileError: the file is missing, cut off or not a walk in space, or its arrays do not go together; one
+            line.
     """
-    content = read_archive(Path(path), KIND, _TEXT, _ARRAYS)
+    path = Path(path)
+    content = read_archive(path, KIND, _TEXT, _ARRAYS)
+    for key, kind in _TEXT_TYPES.items():
+        if not isinstance(content[key], kind) or (kind is list and not all(isinstance(n, str) for n in content[key])):
+            what = "list of names" if kind is list else kind.__name__
+            raise _refused(path, f"{key} = {str(content[key])[:40]!r} is no {what}")
+    n, samples, events = len(content["joint_names"]), np.shape(content["t"])[:1], (len(content["event_kind"]),)
+    sizes = {"q": 7 + n, "v": 6 + n, "tau": n}
+    for name in _ARRAYS:
+        array, trailing = content[name], _TRAILING.get(name, ())
+        wanted = (*(events if name.startswith("event_") else samples), *([sizes[name]] if name in sizes else trailing))
+        if array.dtype.kind not in "fiub" or array.shape != wanted:
+            raise _refused(path, f"{name} is {array.dtype} of shape {array.shape}, not numbers of shape {wanted}")
+        content[name] = array.astype(float)
     return SpatialRun(**content | {key: tuple(content[key]) for key in _TUPLES})
+
+
+def _refused(path: Path, what: str) -> TrajectoryFileError:
+    return TrajectoryFileError(f"{path}: not a readable run file ({what}); {KIND.remedy}")

@@ -16,6 +16,9 @@ from frontal_biped.simulation.space.engine import SpatialState
 ACCURACY = 1e-12
 """Largest error of what the start must satisfy [m, rad]."""
 
+AT_THE_END = 1e-6
+"""How far beyond the end of its range a joint counts as at it [rad]: some URDFs round both."""
+
 MOST_ITERATIONS = 50
 
 
@@ -54,11 +57,24 @@ def start_in_space(
             f"{free.name}: its legs do not reach the start of the gait, {np.max(np.abs(error)):.1e} is missing (m or"
             " rad); bend the knees in the [posture] of its description, or give virtual_legs = true"
         )
+    _check_ranges(free, q)
     rates = np.zeros(len(error))
     rates[:4] = state.dq
     v = np.zeros(model.nv)
     v[columns] = np.linalg.lstsq(J[:, columns], rates)[0]
     return SpatialState(q, v)
+
+
+def _check_ranges(free: FreeRobot, q: FloatArray) -> None:
+    limits, joints = free.limits, q[7:]
+    beyond = np.maximum(limits.lower - joints, joints - limits.upper)
+    worst = int(np.argmax(beyond))
+    if beyond[worst] > AT_THE_END:
+        raise SimulationError(
+            f"{free.name}: at the start of the gait joint {free.joint_names[worst]!r} would be at {joints[worst]:.3f}"
+            f" rad, beyond its range of {limits.lower[worst]:.3f} to {limits.upper[worst]:.3f} rad; change the"
+            " [posture] of its description, or design a gait of another step width"
+        )
 
 
 def _wanted(

@@ -61,3 +61,35 @@ def test_a_run_in_the_plane_is_refused(tmp_path):
     np.savez(path, header=np.array('{"format": "frontal-biped-run", "version": 1}'))
     with pytest.raises(TrajectoryFileError, match="not a run file of version 1"):
         load_spatial_run(path)
+
+
+@pytest.mark.parametrize(
+    ("change", "match"),
+    [
+        ({"joint_names": ("hip",)}, r"q is float64 of shape \(5, 9\), not numbers of shape \(5, 8\)"),
+        ({"tau": np.zeros((4, 2))}, "tau"),
+        ({"wrench": np.zeros((5, 12))}, "wrench"),
+        ({"event_t": np.zeros(3)}, "event_t"),
+        ({"outcome": 3}, "outcome"),
+        ({"steps_completed": "many"}, "steps_completed"),
+        ({"settings": []}, "settings"),
+        ({"locked": (1, 2)}, "locked"),
+    ],
+)
+def test_parts_that_do_not_go_together_are_refused_in_one_line(run, tmp_path, change, match):
+    path = tmp_path / "run.npz"
+    save_spatial_run(dataclasses.replace(run, **change), path)
+    with pytest.raises(TrajectoryFileError, match=match) as error:
+        load_spatial_run(path)
+    assert "\n" not in str(error.value)
+    assert str(path) in str(error.value)
+
+
+def test_arrays_of_text_are_refused(run, tmp_path):
+    path = tmp_path / "run.npz"
+    save_spatial_run(run, path)
+    with np.load(path) as archive:
+        entries = dict(archive)
+    np.savez(path, **entries | {"yaw": np.array(["a"] * 5)})
+    with pytest.raises(TrajectoryFileError, match="yaw"):
+        load_spatial_run(path)
