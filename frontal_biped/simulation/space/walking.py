@@ -6,7 +6,7 @@ state are the engine's.
 
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, is_dataclass
+from dataclasses import asdict, is_dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,7 +29,7 @@ from frontal_biped.simulation.mujoco.space_robot import SpaceEngine
 from frontal_biped.simulation.mujoco.spec import ContactSettings, contact_for
 from frontal_biped.simulation.sensed import EVENTS, RINGING
 from frontal_biped.simulation.space.engine import SolePose, SpatialEngine, SpatialState
-from frontal_biped.simulation.space.measured import JointMeter
+from frontal_biped.simulation.space.measured import JointMeter, self_collisions
 from frontal_biped.simulation.space.pushes import SpatialPushForces, link_place
 from frontal_biped.simulation.space.recorder import SpatialRecorder
 from frontal_biped.simulation.space.run import SpatialRun
@@ -66,8 +66,8 @@ def walk_in_space(
 
     Returns:
         The run; a fall is an outcome, not an error. ``settings["measured"]`` holds what the samples do not show: means
-        and largest values over the steps of what `Measured` lists, the largest shares of the joints' limits, and ticks
-        by what gave way.
+        and largest values over the steps of what `Measured` lists, the largest shares of the joints' limits, and
+        whether the robot ran into itself.
 
     Raises:
         MissingExtraError: MuJoCo is not installed.
@@ -93,7 +93,9 @@ def walk_in_space(
     outcome = run_sampled(engine, pilot, motors, pushes, chosen.period)
     pilot.take_impact(np.inf)
     stored = {**chosen.as_dict(), "engine": engine.name, **told, **pilot.settings()}
-    return recorder.finish(free, outcome, steps.count, gait or {}, stored)
+    run = recorder.finish(free, outcome, steps.count, gait or {}, stored)
+    stored["measured"]["self_collision"] = self_collisions(free, run.t, run.q)
+    return replace(run, settings=stored)
 
 
 class _World:
