@@ -50,6 +50,7 @@ class SelfDistances:
         _add_soles(free, self._geometry)
         self._add_pairs()
         self._work = self._geometry.createData()
+        self._boxes = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(free.model, self._geometry, self._work)
         names = [shape.name for shape in self._geometry.geometryObjects]
         self._links = [(_link(names[pair.first]), _link(names[pair.second])) for pair in self._geometry.collisionPairs]
         legs = [{1 + 1 + joint for joint in free.leg(side)} for side in Stance]
@@ -79,7 +80,12 @@ class SelfDistances:
 
     def touching(self, q: FloatArray) -> tuple[tuple[str, str], ...]:
         """Pairs of links that touch at a configuration (nq,)."""
-        pin.computeCollisions(self._free.model, self._data, self._geometry, self._work, q, False)
+        model, geometry = self._free.model, self._geometry
+        pin.updateGeometryPlacements(model, self._data, geometry, self._work, q)
+        self._boxes.update(False)
+        if not pin.computeCollisions(self._boxes, True):  # hardly ever; a look at every pair takes fifty times as long
+            return ()
+        pin.computeCollisions(geometry, self._work, False)
         found = {
             links
             for links, result in zip(self._links, self._work.collisionResults, strict=True)
