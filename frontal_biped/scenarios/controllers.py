@@ -13,6 +13,7 @@ from frontal_biped.control.stabilisers.by_name import make_stabiliser
 from frontal_biped.control.walker.walker import Walker
 from frontal_biped.exceptions import FrontalBipedError, ScenarioError
 from frontal_biped.scenarios.preparation import Conditions, Prepared
+from frontal_biped.scenarios.scenario import Scenario
 
 QP_STABILISER = "ankle+step"
 """Of the controller that is told state and events, where the scenario names none."""
@@ -53,7 +54,7 @@ def make_controller(
         walker = Walker(prepared.biped, prepared.gait, period=choice.period, delay=delay, **named)
         return walker, Contract.SENSED
     where = f"{scenario.path}: controller = {choice.kind!r}" if own is None else "the controller given"
-    factory = _import(prepared) if own is None else own
+    factory = named_factory(scenario) if own is None else own
     if Contract.of(factory) is None:
         if not callable(factory):
             raise ScenarioError(f"{where}: {type(factory).__name__} is no factory; name a function of (robot, gait)")
@@ -86,9 +87,12 @@ def _settings(prepared: Prepared) -> ControllerSettings:
         raise ScenarioError(f"{prepared.scenario.path}: [controller] {error}") from None
 
 
-def _import(prepared: Prepared) -> Factory:
-    """The factory named by the scenario; a module beside the scenario file is found there."""
-    scenario = prepared.scenario
+def named_factory(scenario: Scenario) -> Factory:
+    """The factory named by a scenario; a module beside the scenario file is found there.
+
+    Raises:
+        ScenarioError: the module or the factory in it cannot be had; one line.
+    """
     where = f"{scenario.path}: controller = {scenario.controller.kind!r}"
     module_name, _, name = scenario.controller.kind.partition(":")
     folder = str(scenario.path.resolve().parent)

@@ -60,6 +60,8 @@ Every key has a default; what ``[expect]`` does not name is not asked.
     unsolved = 20                          # ticks whose program was not solved, at most
     survival = 0.9                         # share of the trials that pass
 
+``space = true`` walks the whole robot in space (`frontal_biped.scenarios.space_file` has the keys that it changes).
+
 ``foot_slip`` [m] and ``foot_rotation`` [rad] can be expected in MuJoCo, where feet can move. ``delay`` [s] in
 ``[controller]`` is what a walker takes for the delay; left out, the true one. ``[controller.arguments]`` go to a
 factory of your own. With a delay, ``output_error`` compares the joints with what is wanted of them when the torques
@@ -75,35 +77,33 @@ import numpy as np
 
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers.by_name import STABILISERS
+from frontal_biped.control.whole_body.settings import WholeBodySettings
 from frontal_biped.exceptions import ScenarioError
 from frontal_biped.files.table import Table
 from frontal_biped.files.toml import load_toml
 from frontal_biped.model.perturbation import LEGS, LINKS, ModelErrors
 from frontal_biped.model.stance_map import Stance
+from frontal_biped.scenarios.moments import read_moment, tables_of
 from frontal_biped.scenarios.scenario import (
     CONTROLLERS,
     SIMULATORS,
     ControllerChoice,
     Expectations,
     ModelPlan,
-    Moment,
     PushPlan,
     Scenario,
 )
+from frontal_biped.scenarios.space_file import SPACE_EXPECTED, SPACE_KEYS, check_space, read_space
 from frontal_biped.simulation.pushes import PROFILES
 
 KEYS = (
     "name", "about", "robot", "gait", "simulator", "controller", "steps", "seed", "repeat", "stance", "speed_error",
-    "slow", "flat_landing", "model", "disturbances", "push", "expect",
+    "slow", "flat_landing", "model", "disturbances", "push", "expect", "space", *SPACE_KEYS,
 )  # fmt: skip
 """Keys and sections of a scenario file."""
 
 MOST_STEPS, MOST_TRIALS = 100_000, 1_000_000
 
-_AT = re.compile(
-    r"(?:(?P<event>impact|reversal)|(?P<percent>\d+(?:\.\d+)?) ?% of the (?P<phase>rising|falling) phase)"
-    r" of step (?P<step>\d+)"
-)
 _FACTORY = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
 
 # key: least and largest value, unit
@@ -126,6 +126,7 @@ _EXPECTED = {
     "speed_error": (1e-9, 1.0, "(relative)"),
     "foot_slip": (1e-9, 1.0, "m"),
     "foot_rotation": (1e-9, 1.5, "rad"),
+    **SPACE_EXPECTED,
 }
 
 
@@ -140,6 +141,7 @@ def load_scenario(path: Path | str) -> Scenario:
     table = Table(f"{path}:", load_toml(path, ScenarioError), KEYS)
     default = path.name.removesuffix(".toml").removesuffix(".scenario")
     name = table.text("name", default)
+    in_space = table.flag("space", False)
     if not re.fullmatch(r"\w[\w .,+-]*", name):
         table.refuse("name", "not a name for a file; use letters, digits, spaces and -")
     scenario = Scenario(
@@ -148,7 +150,7 @@ def load_scenario(path: Path | str) -> Scenario:
         about=table.text("about", "") if "about" in table else "",
         robot=str(_beside(path, table.text("robot", "frontal_biped"))),
         gait=_gait(path, table),
-        simulator=table.text("simulator", "ours", SIMULATORS),
+        simulator=table.text("simulator", "mujoco" if in_space else "ours", SIMULATORS),
         steps=table.whole("steps", 20, 1, MOST_STEPS),
         seed=table.whole("seed", 0, 0),
         repeat=table.whole("repeat", 1, 1, MOST_TRIALS),
@@ -156,13 +158,15 @@ def load_scenario(path: Path | str) -> Scenario:
         speed_error=table.value("speed_error", 0.0, -0.9, 5.0, "(relative)"),
         slow=table.flag("slow", False),
         flat_landing=table.number("flat_landing", 0.02, 0.0, 0.5, "rad") if "flat_landing" in table else None,
-        controller=_controller(path, table),
-        model=_model(path, table),
-        disturbances=_disturbances(path, table),
-        pushes=_pushes(path, table),
+        controller=_controller(path, table, in_space),
+        model=ModelPlan() if in_space else _model(path, table),
+        disturbances=_disturbances(path, table, in_space),
+        pushes=() if in_space else _pushes(path, table),
+        space=read_space(path, table) if in_space else None,
         expect=_expectations(path, table),
     )
     _check_together(scenario, table)
+    check_space(scenario, table)
     return scenario
 
 
@@ -181,14 +185,16 @@ def _gait(path: Path, table: Table) -> Path | str | dict[str, Any] | None:
     return _beside(path, table.text("gait", ""))
 
 
-def _controller(path: Path, table: Table) -> ControllerChoice:
-    own = tuple(f.name for f in fields(ControllerSettings))
+def _controller(path: Path, table: Table, in_space: bool) -> ControllerChoice:
+    settings = WholeBodySettings if in_space else ControllerSettings
+    own = tuple(f.name for f in fields(settings))
     content = table.content.get("controller", {})
     if isinstance(content, str):
         content = {"type": content}
     section = Table(f"{path}: [controller]", content, ("type", "stabiliser", "period", "delay", "arguments", *own))
     # sensor readings are all that MuJoCo gives
-    kind = section.text("type", "walker" if table.content.get("simulator") == "mujoco" else "qp")
+    sensed = in_space or table.content.get("simulator") == "mujoco"
+    kind = section.text("type", "walker" if sensed else "qp")
     if kind not in CONTROLLERS and not _FACTORY.fullmatch(kind):
         section.refuse("type", f'unknown; write one of {", ".join(CONTROLLERS)}, or "module:factory" of your own')
     arguments = Table(f"{path}: [controller.arguments]", section.content.get("arguments", {}), None)
@@ -204,14 +210,14 @@ def _controller(path: Path, table: Table) -> ControllerChoice:
         stabiliser=section.text("stabiliser", "", tuple(STABILISERS)) if "stabiliser" in section else None,
         period=section.number("period", 1e-3, 1e-5, 0.02, "s"),
         delay=section.number("delay", 0.0, 0.0, 0.1, "s") if "delay" in section else None,
-        settings={key: _setting(section, key) for key in given},
+        settings={key: _setting(section, key, settings) for key in given},
         arguments=dict(arguments.content),
     )
 
 
-def _setting(section: Table, key: str) -> Any:
-    """A key of `ControllerSettings`, of the type that its default has."""
-    default = next(f.default for f in fields(ControllerSettings) if f.name == key)
+def _setting(section: Table, key: str, settings: type[ControllerSettings | WholeBodySettings]) -> Any:
+    """A key of the controller's settings, of the type that its default has."""
+    default = next(f.default for f in fields(settings) if f.name == key)
     value = section.content[key]
     if isinstance(value, list):
         return section.numbers(key, 4, 1e-9, 1e6, "N m")
@@ -252,8 +258,8 @@ def _model(path: Path, table: Table) -> ModelPlan:
     return ModelPlan(ModelErrors(**fixed), within)
 
 
-def _disturbances(path: Path, table: Table) -> dict[str, Any]:
-    known = (*_DISTURBANCES, "ground", "torque_limits")
+def _disturbances(path: Path, table: Table, in_space: bool) -> dict[str, Any]:
+    known = (*_DISTURBANCES, "ground", "velocity_noise" if in_space else "torque_limits")
     section = Table(f"{path}: [disturbances]", table.content.get("disturbances", {}), known)
     found: dict[str, Any] = {}
     for key in section.content:
@@ -261,27 +267,22 @@ def _disturbances(path: Path, table: Table) -> dict[str, Any]:
             found[key] = section.numbers(key, None, -0.1, 0.1, "m")
         elif key == "torque_limits":
             found[key] = section.numbers(key, 2, 1e-3, 1e5, "N m: [ankle, hip]")
-        else:
+        elif key != "velocity_noise":  # that one is read with what only a walk in space has
             low, high, unit = _DISTURBANCES[key]
             found[key] = section.value(key, low, low, high, unit)
     return found
 
 
 def _pushes(path: Path, table: Table) -> tuple[PushPlan, ...]:
-    content = table.content.get("push", [])
-    if isinstance(content, dict):
-        content = [content]
-    if not isinstance(content, list):
-        table.refuse("push", "not a table; begin each push with [[push]]")
     plans = []
-    for i, each in enumerate(content):
+    for i, each in enumerate(tables_of(table, "push")):
         known = ("at", "time", "impulse", "duration", "profile", "height")
         section = Table(f"{path}: [[push]] {i + 1}:", each, known)
         if "impulse" not in section:
             section.refuse("impulse", "missing; write impulse = 5.0 (N s, to the robot's left)")
         plans.append(
             PushPlan(
-                moment=_moment(section),
+                moment=read_moment(section),
                 impulse=section.value("impulse", 0.0, -1e4, 1e4, "N s"),
                 duration=section.value("duration", 0.05, 1e-4, 60.0, "s"),
                 profile=section.text("profile", "constant", PROFILES),
@@ -291,26 +292,6 @@ def _pushes(path: Path, table: Table) -> tuple[PushPlan, ...]:
     return tuple(plans)
 
 
-def _moment(section: Table) -> Moment:
-    if ("at" in section) == ("time" in section):
-        remedy = 'write either at = "reversal of step 5" or time = 1.2 (s)'
-        section.refuse("at", f"missing; {remedy}" if "at" not in section else f"given beside time; {remedy}")
-    if "time" in section:
-        return Moment(time=section.value("time", 0.0, 0.0, 1e5, "s"))
-    text = section.text("at", "")
-    found = _AT.fullmatch(text)
-    if found is None or int(found["step"]) < 1:
-        section.refuse(
-            "at", 'not understood; write "impact of step 5", "reversal of step 5" (steps from 1) or "30 % of the rising'
-            ' phase of step 5"'
-        )  # fmt: skip
-    percent = float(found["percent"] or 0.0)
-    if percent > 100.0:
-        section.refuse("at", "more than 100 % of a phase; name the phase after it")
-    phase = found["phase"] or ("falling" if found["event"] == "reversal" else "rising")
-    return Moment(step=int(found["step"]), phase=phase, fraction=percent / 100.0)
-
-
 def _expectations(path: Path, table: Table) -> Expectations:
     known = tuple(f.name for f in fields(Expectations))
     section = Table(f"{path}: [expect]", table.content.get("expect", {}), known)
@@ -318,7 +299,7 @@ def _expectations(path: Path, table: Table) -> Expectations:
     for key in section.content:
         if key in ("steps", "return_within"):
             found[key] = section.whole(key, 1, 1, MOST_STEPS)
-        elif key == "unsolved":
+        elif key in ("unsolved", "self_collisions"):
             found[key] = section.whole(key, 0, 0)
         elif key == "survival":
             found[key] = section.number(key, 1.0, 0.0, 1.0, "(share of the trials)")
@@ -328,6 +309,11 @@ def _expectations(path: Path, table: Table) -> Expectations:
             low, high = section.numbers(key, 2, 1e-3, 60.0, "s: [shortest, longest]")
             if low > high:
                 section.refuse(key, "the shortest is above the longest; exchange them")
+            found[key] = (low, high)
+        elif key == "walking_speed":
+            low, high = section.numbers(key, 2, -5.0, 5.0, "m/s: [least, largest]")
+            if low > high:
+                section.refuse(key, "the least is above the largest; exchange them")
             found[key] = (low, high)
         else:
             found[key] = section.number(key, 0.0, *_EXPECTED[key])
@@ -341,9 +327,9 @@ def _check_together(scenario: Scenario, table: Table) -> None:
         asked = getattr(expect, key)
         if asked is not None and asked > steps:
             raise ScenarioError(f"{path}: [expect] {key} = {asked}: only {steps} steps are walked; raise steps")
-    for i, push in enumerate(scenario.pushes):
-        if push.moment.time is None and push.moment.step > steps:
-            at = f"{path}: [[push]] {i + 1}: at names step {push.moment.step}"
+    for i, moment in enumerate(scenario.push_moments):
+        if moment.time is None and moment.step > steps:
+            at = f"{path}: [[push]] {i + 1}: at names step {moment.step}"
             raise ScenarioError(f"{at}: only {steps} steps are walked; raise steps or push earlier")
     if len(scenario.disturbances.get("ground", ())) > steps:
         count = len(scenario.disturbances["ground"])

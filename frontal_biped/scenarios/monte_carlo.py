@@ -16,6 +16,7 @@ from frontal_biped.files.atomic import require_folder
 from frontal_biped.scenarios.preparation import Prepared, prepare
 from frontal_biped.scenarios.run import OnStep, TrialResult, run_trial
 from frontal_biped.scenarios.scenario import Scenario
+from frontal_biped.simulation.space.run import SpatialRun, save_spatial_run
 from frontal_biped.simulation.trajectory import save_trajectory
 
 CONFIDENCE = 0.95
@@ -189,7 +190,11 @@ def _trial(
 ) -> TrialResult:
     result = run_trial(prepared, number, seed, on_step=on_step)
     if save is not None and result.run is not None:
-        save_trajectory(result.run, save / f"{prepared.scenario.name}-{number}.npz")
+        path = save / f"{prepared.scenario.name}-{number}.npz"
+        if isinstance(result.run, SpatialRun):
+            save_spatial_run(result.run, path)
+        else:
+            save_trajectory(result.run, path)
     return replace(result, run=None)
 
 

@@ -2,11 +2,11 @@
 
 import json
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,9 +20,14 @@ from frontal_biped.gait.specification import GaitSpecification, default_specific
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import load_robot, models_dir
 from frontal_biped.model.perturbation import ModelErrors
-from frontal_biped.scenarios.scenario import PushPlan, Scenario
+from frontal_biped.model.space.free_robot import FreeRobot
+from frontal_biped.scenarios.scenario import Moment, PushPlan, Scenario, SpacePlan
 from frontal_biped.simulation.disturbances import Disturbances
 from frontal_biped.simulation.pushes import Push
+from frontal_biped.simulation.space.pushes import link_place
+
+Picker = Callable[[str, Any], Any]
+"""Called with a name and a value that may be a range; see `Draws.pick`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,12 +39,14 @@ class Prepared:
         biped: the robot as the controller knows it.
         gait: what it walks.
         phase_durations: planned duration of the rising and of the falling phase [s].
+        free: the whole robot, where it walks in space; None in the plane.
     """
 
     scenario: Scenario
     biped: FrontalBiped
     gait: Gait
     phase_durations: Mapping[str, float]
+    free: FreeRobot | None = None
 
     @property
     def step_duration(self) -> float:
@@ -74,6 +81,7 @@ def prepare(scenario: Scenario) -> Prepared:
     where = scenario.path
     try:
         biped = _robot(scenario.robot, threading.get_ident())
+        free = None if scenario.space is None else _free_robot(scenario.robot, threading.get_ident())
     except FrontalBipedError as error:
         raise ScenarioError(f"{where}: robot = {scenario.robot!r}: {error}") from None
     try:
@@ -83,18 +91,28 @@ def prepare(scenario: Scenario) -> Prepared:
     except FrontalBipedError as error:
         given = json.dumps(dict(scenario.gait)) if isinstance(scenario.gait, Mapping) else str(scenario.gait)
         raise ScenarioError(f"{where}: gait = {given}: {error}") from None
+    if scenario.space is not None and free is not None:
+        _check_links(where, scenario.space, free)
     step = gait.step(biped)
     durations = {"rising": float(step.rising.duration), "falling": float(step.falling.duration)}
     longest = scenario.steps * sum(durations.values())
-    for i, push in enumerate(scenario.pushes):
-        time = push.moment.time
+    for i, moment in enumerate(scenario.push_moments):
+        time = moment.time
         if time is not None and (time.high if isinstance(time, Range) else time) > longest:
             latest = time if isinstance(time, Range) else f"{time:g}"
             raise ScenarioError(
                 f"{where}: [[push]] {i + 1}: time = {latest} s: the run of {scenario.steps} steps ends at"
                 f" {longest:.3g} s; push earlier or raise steps"
             )
-    return Prepared(scenario, biped, gait, durations)
+    return Prepared(scenario, biped, gait, durations, free)
+
+
+def _check_links(where: Path, plan: SpacePlan, free: FreeRobot) -> None:
+    for i, push in enumerate(plan.pushes):
+        try:
+            link_place(free, push.link)
+        except FrontalBipedError as error:
+            raise ScenarioError(f"{where}: [[push]] {i + 1}: {error}") from None
 
 
 def trial_seed(seed: int, number: int) -> np.random.SeedSequence:
@@ -102,42 +120,87 @@ def trial_seed(seed: int, number: int) -> np.random.SeedSequence:
     return np.random.SeedSequence(seed, spawn_key=(number,))
 
 
+class Draws:
+    """What one trial draws, a function of its seed alone.
+
+    Args:
+        seed: of the trial.
+
+    Attributes:
+        drawn: numbers drawn from ranges, by name.
+        for_model: random numbers of model errors.
+        noise_seed: of noise and ground; one whole number, which a run file keeps.
+    """
+
+    def __init__(self, seed: np.random.SeedSequence) -> None:
+        for_draws, for_model, for_noise = (
+            np.random.SeedSequence(seed.entropy, spawn_key=(*seed.spawn_key, i)) for i in range(3)
+        )
+        self._generator = np.random.default_rng(for_draws)
+        self.for_model = np.random.default_rng(for_model)
+        self.noise_seed = int(for_noise.generate_state(1, np.uint64)[0] >> 1)
+        self.drawn: dict[str, float] = {}
+
+    def pick(self, name: str, value: Any) -> Any:
+        """The value, or a number drawn from it if it is a range."""
+        if not isinstance(value, Range):
+            return value
+        self.drawn[name] = draw(value, self._generator)
+        return self.drawn[name]
+
+    def named(self, what: str, index: int, count: int) -> Picker:
+        """`pick` for the parts of one of several things."""
+        name = f"{what} {index + 1} " if count > 1 else f"{what} "
+        return lambda key, value: self.pick(name + key, value)
+
+
 def conditions(prepared: Prepared, seed: np.random.SeedSequence) -> Conditions:
     """Draw what one trial is up against; a function of scenario and seed alone."""
     scenario = prepared.scenario
-    for_draws, for_model, for_noise = (
-        np.random.SeedSequence(seed.entropy, spawn_key=(*seed.spawn_key, i)) for i in range(3)
-    )
-    generator = np.random.default_rng(for_draws)
-    drawn: dict[str, float] = {}
-
-    def pick(name: str, value: Any) -> Any:
-        if not isinstance(value, Range):
-            return value
-        drawn[name] = draw(value, generator)
-        return drawn[name]
-
+    draws = Draws(seed)
+    pick = draws.pick
     speed_error = float(pick("speed_error", scenario.speed_error))
     values = {key: pick(key, scenario.disturbances[key]) for key in sorted(scenario.disturbances)}
     pushes = []
     for i, plan in enumerate(scenario.pushes):
-        name = f"push {i + 1} " if len(scenario.pushes) > 1 else "push "
-        pushes.append(_push(prepared, plan, lambda key, value, name=name: pick(name + key, value)))
+        pushes.append(_push(prepared, plan, draws.named("push", i, len(scenario.pushes))))
     errors = None
     if scenario.model.any:
-        errors = scenario.model.fixed.times(ModelErrors.draw(np.random.default_rng(for_model), **scenario.model.within))
-    # one whole number, which a run file keeps
-    noise_seed = int(for_noise.generate_state(1, np.uint64)[0] >> 1)
-    return Conditions(speed_error, errors, Disturbances(**values, pushes=tuple(pushes), seed=noise_seed), drawn)
+        errors = scenario.model.fixed.times(ModelErrors.draw(draws.for_model, **scenario.model.within))
+    disturbances = Disturbances(**values, pushes=tuple(pushes), seed=draws.noise_seed)
+    return Conditions(speed_error, errors, disturbances, draws.drawn)
 
 
-def _push(prepared: Prepared, plan: PushPlan, pick: Any) -> Push:
-    moment = plan.moment
+def _push(prepared: Prepared, plan: PushPlan, pick: Picker) -> Push:
     shape = (float(pick("duration", plan.duration)), float(pick("impulse", plan.impulse)), plan.profile, plan.height)
+    begins = start_of_push(prepared, plan.moment, pick)
+    return Push(begins.start, *shape, step=begins.step, phase=begins.phase)
+
+
+class PushStart(NamedTuple):
+    """When a push begins, as `Push` has it.
+
+    Attributes:
+        start: after the start of the run, or of a phase [s].
+        step: index of the step, from 0; None: of the run.
+        phase: of that step.
+    """
+
+    start: float
+    step: int | None = None
+    phase: str | None = None
+
+
+def start_of_push(prepared: Prepared, moment: Moment, pick: Picker) -> PushStart:
+    """When a push begins; a time may be drawn."""
     if moment.time is not None:
-        return Push(float(pick("time", moment.time)), *shape)
-    start = moment.fraction * prepared.phase_durations[moment.phase]
-    return Push(start, *shape, step=moment.step - 1, phase=moment.phase)
+        return PushStart(float(pick("time", moment.time)))
+    return PushStart(moment.fraction * prepared.phase_durations[moment.phase], moment.step - 1, moment.phase)
+
+
+@lru_cache(maxsize=32)
+def _free_robot(name: str, thread: int) -> FreeRobot:
+    return FreeRobot(_robot(name, thread).robot)
 
 
 @lru_cache(maxsize=32)

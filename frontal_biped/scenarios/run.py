@@ -5,12 +5,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from frontal_biped.control.interface import Contract
 from frontal_biped.gait.file import gait_to_dict
 from frontal_biped.scenarios.controllers import Factory, make_controller
 from frontal_biped.scenarios.expectations import Finding, judge, measures
+from frontal_biped.scenarios.measured import AnyRun
 from frontal_biped.scenarios.preparation import Conditions, Prepared, conditions, prepare, trial_seed
 from frontal_biped.scenarios.scenario import Scenario
+from frontal_biped.scenarios.space_measures import spatial_measures
+from frontal_biped.scenarios.space_run import spatial_conditions, spatial_walker, walk_trial
 from frontal_biped.simulation.event_driven import simulate_walk
 from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.simulation.trajectory import Trajectory
@@ -45,7 +50,7 @@ class TrialResult:
     measured: Mapping[str, float]
     drawn: Mapping[str, float]
     seconds: float
-    run: Trajectory | None = None
+    run: AnyRun | None = None
 
     @property
     def passed(self) -> bool:
@@ -92,7 +97,9 @@ def run_scenario(
         number: which of the scenario's trials, from 0; each draws its own noise, errors and pushes.
         seed: of the trials; default: the scenario's.
         controller: your own in place of the scenario's: an object with ``tick`` and ``reset`` as `Walker`, or with
-            ``begin`` and ``command`` as `QpController`, or a factory of one, called as (robot, gait, period=...).
+            ``begin`` and ``command`` as `QpController`, or a factory of one, called as (robot, gait, period=...); in
+            space with ``reset``, ``tick`` and ``command`` as `SpatialWalker`, called as (free, robot, gait,
+            period=...).
         on_step: called with the number of completed steps.
 
     Returns:
@@ -116,11 +123,9 @@ def run_trial(
     began = time.perf_counter()
     scenario = prepared.scenario
     chosen_seed = scenario.seed if seed is None else seed
-    drawn = conditions(prepared, trial_seed(chosen_seed, number))
-    run = _walk(prepared, drawn, *make_controller(prepared, drawn, controller), on_step)
-    marked = {"scenario": scenario.name, "trial": number, "seed": chosen_seed, "drawn": dict(drawn.drawn)}
+    run, measured, drawn = _walked(prepared, trial_seed(chosen_seed, number), controller, on_step)
+    marked = {"scenario": scenario.name, "trial": number, "seed": chosen_seed, "drawn": dict(drawn)}
     run = replace(run, settings={**run.settings, "trial": marked})
-    measured = measures(prepared, run)
     return TrialResult(
         scenario.name,
         number,
@@ -129,10 +134,23 @@ def run_trial(
         run.outcome,
         judge(prepared, run, measured),
         measured,
-        drawn.drawn,
+        drawn,
         time.perf_counter() - began,
         run,
     )
+
+
+def _walked(
+    prepared: Prepared, seed: np.random.SeedSequence, controller: Factory | object | None, on_step: OnStep | None
+) -> tuple[AnyRun, dict[str, float], Mapping[str, float]]:
+    """A run, its measures and what was drawn for it, in the plane or in space."""
+    if prepared.scenario.space is not None:
+        against = spatial_conditions(prepared, seed)
+        walk = walk_trial(prepared, against, spatial_walker(prepared, against, controller), on_step)
+        return walk, spatial_measures(prepared, walk), against.drawn
+    drawn = conditions(prepared, seed)
+    run = _walk(prepared, drawn, *make_controller(prepared, drawn, controller), on_step)
+    return run, measures(prepared, run), drawn.drawn
 
 
 def _walk(

@@ -90,6 +90,78 @@ class ModelPlan:
 
 
 @dataclass(frozen=True)
+class CommandPlan:
+    """A change of speed to come, of a walk in space; what is None stays as it is.
+
+    Attributes:
+        step: given as this step begins, from 0; or
+        time: given at this time [s].
+        speed: forwards [m/s].
+        lateral: to the left [m/s].
+        turn: to the left [rad/s].
+    """
+
+    step: int | None = None
+    time: float | None = None
+    speed: Value | None = None
+    lateral: Value | None = None
+    turn: Value | None = None
+
+
+@dataclass(frozen=True)
+class SpatialPushPlan:
+    """A push to come, of a walk in space.
+
+    Attributes:
+        moment: when it begins.
+        impulse: forwards, to the left and upwards [N s]; or one size of a horizontal push, with
+        direction: from forwards to the left [degrees].
+        duration: [s].
+        profile: "constant" or "half-sine".
+        link: URDF name; "" for the root link.
+        point: where it acts, in the axes of the link from its origin [m].
+    """
+
+    moment: Moment
+    impulse: tuple[Value, ...]
+    direction: Value | None = None
+    duration: Value = 0.05
+    profile: str = "constant"
+    link: str = ""
+    point: tuple[float, ...] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class SpacePlan:
+    """What only a walk in space has.
+
+    Attributes:
+        commands: changes of speed, in the order of the file.
+        pushes: on any link.
+        factors: of all masses and inertias, by name [-].
+        within: bounds of `SpatialErrors.draw`, by name.
+        velocity_noise: standard deviation of the joint rates that are read [rad/s]; None: exact, and left out where
+            encoders are noisy.
+    """
+
+    commands: tuple[CommandPlan, ...] = ()
+    pushes: tuple[SpatialPushPlan, ...] = ()
+    factors: Mapping[str, float] = field(default_factory=dict)
+    within: Mapping[str, float] = field(default_factory=dict)
+    velocity_noise: Value | None = None
+
+    @property
+    def drawn(self) -> list[Any]:
+        """Everything that may be a range."""
+        values: list[Any] = [self.velocity_noise]
+        for command in self.commands:
+            values += [command.speed, command.lateral, command.turn]
+        for push in self.pushes:
+            values += [push.moment.time, *push.impulse, push.direction, push.duration]
+        return values
+
+
+@dataclass(frozen=True)
 class Expectations:
     """What must hold; None: not asked.
 
@@ -107,6 +179,11 @@ class Expectations:
         unsolved: ticks whose quadratic program was not solved, at most.
         foot_slip: largest slip of a stance foot in one step [m]; MuJoCo only.
         foot_rotation: largest rotation of a stance foot [rad]; MuJoCo only.
+        cop_margin: least distance of the fore-aft centre of pressure from the ends of the sole [m]; in space only.
+        walking_speed: least and largest mean speed forwards over the second half of the steps [m/s]; in space only.
+        yaw_drift: largest change of the pelvis' heading [rad]; in space only.
+        joint_speed: largest joint speed as a share of the robot's limits [-]; in space only.
+        self_collisions: instants at which links touch, at most; in space only.
         survival: least share of the trials in which all of the above holds [-].
     """
 
@@ -123,6 +200,11 @@ class Expectations:
     unsolved: int | None = None
     foot_slip: float | None = None
     foot_rotation: float | None = None
+    cop_margin: float | None = None
+    walking_speed: tuple[float, float] | None = None
+    yaw_drift: float | None = None
+    joint_speed: float | None = None
+    self_collisions: int | None = None
     survival: float = 1.0
 
 
@@ -147,7 +229,8 @@ class Scenario:
         controller: which.
         model: errors of the robot.
         disturbances: keys of `Disturbances` (without pushes and seed).
-        pushes: on the pelvis.
+        pushes: on the pelvis, in the plane.
+        space: what only a walk of the whole robot in space has; None: the robot walks in its frontal plane.
         expect: what must hold.
     """
 
@@ -168,7 +251,14 @@ class Scenario:
     model: ModelPlan = field(default_factory=ModelPlan)
     disturbances: Mapping[str, Any] = field(default_factory=dict)
     pushes: tuple[PushPlan, ...] = ()
+    space: SpacePlan | None = None
     expect: Expectations = field(default_factory=Expectations)
+
+    @property
+    def push_moments(self) -> list[Moment]:
+        """When the pushes begin, in the plane or in space."""
+        moments = [push.moment for push in self.pushes]
+        return moments if self.space is None else [push.moment for push in self.space.pushes]
 
     @property
     def random(self) -> bool:
@@ -177,5 +267,8 @@ class Scenario:
         values = [self.speed_error, *self.disturbances.values()]
         for push in self.pushes:
             values += [push.moment.time, push.impulse, push.duration]
-        drawn = any(isinstance(value, Range) for value in values) or any(self.model.within.values())
-        return drawn or any(self.disturbances.get(key) for key in noises)
+        noise, errors = any(self.disturbances.get(key) for key in noises), dict(self.model.within)
+        if self.space is not None:
+            values += self.space.drawn
+            noise, errors = noise or bool(self.space.velocity_noise), {**errors, **self.space.within}
+        return any(isinstance(value, Range) for value in values) or any(errors.values()) or noise

@@ -129,4 +129,5 @@ def test_every_disturbance_and_expectation_can_be_written():
     written = {*files._DISTURBANCES, "ground", "torque_limits"}
     assert written == {field.name for field in fields(Disturbances)} - {"pushes", "seed"}
     special = {"steps", "return_within", "unsolved", "survival", "return_tolerance", "step_duration"}
+    special |= {"walking_speed", "self_collisions"}
     assert {*files._EXPECTED, *special} == {field.name for field in fields(Expectations)}

@@ -85,10 +85,11 @@ def walk_in_space(
     recorder, pushes = SpatialRecorder(), SpatialPushForces(chosen.pushes)
     world = _World(engine, free)
     steps = Steps(world, chosen.steps, chosen.landing_heights, pushes, recorder, on_step)
+    pilot = SpatialPilot(free, world, walker, chosen, steps, recorder)
+    pilot.command(0.0)  # before the walk begins, so that its first step is as commanded
     engine.place(*start)
     walker.reset(stance, *start)
     steps.start(stance)
-    pilot = SpatialPilot(free, world, walker, chosen, steps, recorder)
     motors = Motors(chosen.disturbances, chosen.period, free.limits.effort)
     outcome = run_sampled(engine, pilot, motors, pushes, chosen.period)
     pilot.take_impact(np.inf)
@@ -170,11 +171,15 @@ class SpatialPilot:
         """When the present step began, as the walker believes [s]: one that rocks on the spot is not walking either."""
         return self._meter.began
 
-    def decide(self, t: float) -> Decision | None:
-        """Show the walker what the sensors tell; None after the last landing that it noticed."""
+    def command(self, t: float) -> None:
+        """Give the commands that are due at time t [s]."""
         while self._commands and self._commands[0].due(t, self._steps.count):
             change = self._commands.pop(0)
             self._walker.command(change.speed, change.lateral, change.turn)
+
+    def decide(self, t: float) -> Decision | None:
+        """Show the walker what the sensors tell; None after the last landing that it noticed."""
+        self.command(t)
         true = self._engine.read(t)
         command = self._walker.tick(self._sensors.read(true))
         self.take_impact(t)
