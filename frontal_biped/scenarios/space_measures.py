@@ -34,7 +34,7 @@ def spatial_measures(prepared: Prepared, run: SpatialRun) -> dict[str, float]:
         "friction": largest(np.hypot(force[loaded][:, 0], force[loaded][:, 1]) / force[loaded][:, 2]),
         "fri_margin": _margin(p_fri - outer, inner - p_fri),
         "cop_margin": _margin(cop_x + sole.back, sole.front - cop_x),
-        "walking_speed": run.mean_speed(len(run.landings) // 2),
+        "walking_speed": run.mean_speed(len(run.step_durations) // 2),
         "yaw_drift": float(run.yaw[-1] - run.yaw[0]) if len(run.yaw) else float("nan"),
         "self_collisions": float(measured.get("self_collision", {}).get("touching", 0)),
         "foot_slip": of_steps(measured, "slip"),

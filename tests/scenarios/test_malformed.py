@@ -82,6 +82,62 @@ MALFORMED = {
     "a name that is no file's": ('name = "../push"', "name = '../push'.*letters"),
 }
 
+MALFORMED |= {
+    f"in space, {case}": ('space = true\nrobot = "talos_full"\n' + text, complaint)
+    for case, (text, complaint) in {
+        "our simulator": ('simulator = "ours"', "simulator = 'ours'.*only MuJoCo"),
+        "a controller that is told": ('controller = "qp"', 'controller = "qp" is told.*"walker"'),
+        "a stabiliser": (
+            '[controller]\nstabiliser = "ankle"',
+            r"\[controller\] stabiliser: of walks in the plane",
+        ),
+        "a gain of the plane": ("[controller]\nfrequency = 90.0", r"\[controller\]: unknown key 'frequency'"),
+        "a gain below zero": ("[controller]\noutput = -1.0", r"\[controller\] output = -1.0.*below 0"),
+        "flat landings": ("flat_landing = 0.1", "flat_landing = 0.1.*MuJoCo has its own contact"),
+        "a speed beyond everything": ("speed = 30.0", "speed = 30.0.*above 3 m/s"),
+        "a command at no time": ("[[command]]\nspeed = 0.1", r"\[\[command\]\] 1: step: missing; write either"),
+        "a command at two": ("[[command]]\nspeed = 0.1\nstep = 1\ntime = 0.1", "step = 1: given beside time"),
+        "a command of nothing": ("[[command]]\nstep = 2", "speed: missing; write speed"),
+        "a command at step 0": ("[[command]]\nstep = 0\nspeed = 0.1", "step = 0.*at least 1"),
+        "a command after the end": ("steps = 2\n[[command]]\nstep = 3\nspeed = 0.1", "step = 3: only 2 steps"),
+        "commands that are none": ("command = 3", "command = 3.*begin each command with"),
+        "a push of one number": (
+            "[[push]]\ntime = 0.1\nimpulse = 3.0",
+            "impulse = 3.0: not three.*direction",
+        ),
+        "a push of two": ("[[push]]\ntime = 0.1\nimpulse = [3.0, 1.0]", "impulse = .*not three components"),
+        "a push of words": ('[[push]]\ntime = 0.1\nimpulse = [1.0, "up", 0.0]', "left = 'up'.*finite number"),
+        "components with a direction": (
+            "[[push]]\ntime = 0.1\nimpulse = [3.0, 1.0, 0.0]\ndirection = 90",
+            "impulse = .*leave direction out",
+        ),
+        "a push on no link": (
+            '[[push]]\ntime = 0.1\nimpulse = [3.0, 1.0, 0.0]\nlink = "torso"',
+            r"\[\[push\]\] 1: push: link = 'torso': talos_full has no such link",
+        ),
+        "a push at the hips": ("[[push]]\ntime = 0.1\nimpulse = [3.0, 1.0, 0.0]\nheight = 0.1", "unknown key 'height'"),
+        "a push after the last step": (
+            'steps = 2\n[[push]]\nat = "impact of step 9"\nimpulse = [1.0, 0.0, 0.0]',
+            "step 9.*raise steps",
+        ),
+        "a push after the end": ("steps = 2\n[[push]]\ntime = 99.0\nimpulse = [1.0, 0.0, 0.0]", "time = 99 s.*ends at"),
+        "a link of the plane": ("[model]\nmass = {pelvis = 1.1}", r"\[model\] mass = .*no range"),
+        "a shift of all": ("[model]\ncom = 0.01", r"\[model\] com = 0.01: bodies have axes of their own"),
+        "a lopsided error": ("[model]\nmass = {from = 0.9, to = 1.3}", r"\[model\] mass = .*write {within"),
+        "a weightless robot": ("[model]\nmass = 0.0", r"\[model\] mass = 0.0.*below 0.05"),
+        "lengths": ("[model]\nlength = 1.1", r"\[model\]: unknown key 'length'"),
+        "torque limits": ("[disturbances]\ntorque_limits = [50.0, 50.0]", "unknown key 'torque_limits'"),
+        "negative noise": ("[disturbances]\nvelocity_noise = -0.1", "velocity_noise = -0.1.*below 0 rad/s"),
+        "speeds upside down": ("[expect]\nwalking_speed = [0.3, 0.1]", "walking_speed = .*exchange them"),
+    }.items()
+}
+MALFORMED |= {
+    "a speed in the plane": ("speed = 0.2", "speed = 0.2.*write space = true"),
+    "a command in the plane": ("[[command]]\nstep = 1\nspeed = 0.1", "command = .*write space = true"),
+    "a heading in the plane": ("[expect]\nyaw_drift = 0.1", "yaw_drift: measured in space only"),
+    "a flag of space that is none": ("space = 1", "space = 1.*true nor false"),
+}
+
 
 @pytest.mark.parametrize("case", MALFORMED)
 def test_one_line_and_status_2(case, write, capsys):
