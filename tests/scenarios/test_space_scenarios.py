@@ -173,7 +173,7 @@ def test_trials_are_kept_and_repeatable(write, tmp_path):
     run = load_spatial_run(tmp_path / "case-1.npz")
     assert run.steps_completed == 1
     assert run.settings["errors"]["mass"][3] != 1.0
-    assert run.settings["trial"]["number"] == 1
+    assert run.settings["trial"]["trial"] == 1
 
 
 @pytest.fixture(scope="module")
