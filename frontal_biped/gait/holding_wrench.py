@@ -87,7 +87,7 @@ class HoldingWrench:
         """
         x, y, sole = self.cop_x, self.cop_h, self.sole
         X, Y = np.minimum(sole.front - x, sole.back + x), np.minimum(sole.inner - y, sole.outer + y)
-        return 0.5 * np.sqrt(X * X + Y * Y)
+        return friction_arm(X, Y)
 
     @property
     def friction(self) -> FloatArray:
@@ -95,6 +95,11 @@ class HoldingWrench:
         F_h, F_v = self.rows[F_H], self.rows[F_V]
         of_moment = self.yaw_moment / self.yaw_arm
         return np.stack([(F_h + of_moment) / F_v, (F_h - of_moment) / F_v])
+
+
+def friction_arm(X: FloatArray, Y: FloatArray) -> FloatArray:
+    """r of a rectangle |x| <= X, |y| <= Y [m], from below; see the module."""
+    return 0.5 * np.sqrt(X * X + Y * Y)
 
 
 class StepHolding(NamedTuple):

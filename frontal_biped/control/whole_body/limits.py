@@ -4,9 +4,9 @@ r"""What the whole-body program keeps: what a flat sole can carry, and how fast 
 pyramid inside the cone, |F_x|, |F_y| <= mu/sqrt(2) F_z; the centre of pressure inside the sole, x = -M_y/F_z and
 y = M_x/F_z; the yaw moment; a normal force above a least one.
 
-*Yaw.* Under pressure that is spread evenly over a rectangle of length a and width b, friction mu holds the moment
-mu F_z times the mean distance from the middle, which is at least (a + b)/8 + ... ; half of (a + b)/4 is counted on,
-since a foot that also carries a shear force, or stands on a part of its sole, holds less.
+*Yaw.* Friction of a sole whose pressure is spread evenly holds the moment mu F_z r about the vertical, r the mean
+distance of its points from the middle (`holding_wrench.friction_arm`). With the centre of pressure near an edge it
+holds less than that if the pressure is even on what is left, and more if it is in the corners.
 
 *Ranges and speeds.* A joint approaches the end of its range as a critically damped spring of rate lambda would,
 
@@ -21,6 +21,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.whole_body.settings import WholeBodySettings
+from frontal_biped.gait.holding_wrench import friction_arm
 from frontal_biped.model.space.free_robot import BASE, FreeRobot
 from frontal_biped.model.space.virtual_legs import SpaceState
 from frontal_biped.model.stance_map import Stance
@@ -43,7 +44,7 @@ def contact_rows(free: FreeRobot, side: Stance, settings: WholeBodySettings) -> 
     inner, outer = share * sole.inner, share * sole.outer
     low, high = (-inner, outer) if side is Stance.LEFT else (-outer, inner)
     mu = settings.friction / np.sqrt(2.0)
-    arm = settings.friction * yaw_arm(sole.length, sole.width)
+    arm = settings.friction * friction_arm(np.array(0.5 * sole.length), np.array(0.5 * sole.width))
     F_x, F_y, F_z, M_x, M_y, M_z = np.eye(6)
     return np.array(
         [
@@ -60,11 +61,6 @@ def contact_rows(free: FreeRobot, side: Stance, settings: WholeBodySettings) -> 
             F_z,
         ]
     )
-
-
-def yaw_arm(length: float, width: float) -> float:
-    """Arm at which friction of a sole is counted on against yaw [m]."""
-    return (length + width) / 8.0
 
 
 class Bounds(NamedTuple):
