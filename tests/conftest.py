@@ -7,6 +7,12 @@ Each claim, how it is held, what was measured, and the tests that hold it:
 * Planar models of nine robots, either foot: inverse dynamics against the 3D model moved in the plane, pinned against
   projected floating model, impact against its KKT system; relative 1e-10 (icub 1e-5: its URDF is rounded).
   model/test_every_robot.py, robot_laws.py, model/test_stance_map.py
+* The planar gait in space: what the ground must hold, against inverse dynamics and momenta of seven humanoids in space
+  and of three with every joint free, 1e-9 (icub 1e-5; virtual legs of g1_bent 1e-2); landing with every joint free
+  against the planar impact in the limit, 1e-9; energy of a step read from the free robot against the orbit's, 1e-9.
+  gait/test_holding_wrench.py, model/space/test_landing.py, zero_dynamics/test_frontal_energy.py
+* Virtual legs: Jacobians and drifts against differences, 1e-7; (y, z) of hips, ankles and trunk wherever the feet are
+  in x, 1e-9. model/space/test_space_state.py
 * Cost of the reference and level-pelvis gaits: from the default start, checked on a grid 40 times denser than the
   optimiser's; 210.2 and 405.6 N^2 m s. design/test_design.py
 * Hybrid invariance and energy balance of a gait file: residuals below 1e-9. design/test_design.py, gait/test_gait.py

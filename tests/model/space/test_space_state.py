@@ -92,7 +92,6 @@ def test_jacobians_and_drifts_against_differences(space, what):
 
 def test_heading_is_where_the_robot_walks(space):
     """Turned about Z with its heading, and the heading frame's origin kept, a robot is seen as before."""
-    free = space.free
     for q, v, heading in random_states(space, 1):
         before = [np.concatenate([np.ravel(part) for part in SEEN[what](space.at(q, v))[:2]]) for what in SEEN]
         com, com_velocity = space.com.copy(), space.com_velocity.copy()
