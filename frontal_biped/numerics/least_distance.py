@@ -91,6 +91,8 @@ def nearest_point(G: FloatArray, h: FloatArray) -> FloatArray:
         UndecidedError: the method did not end.
     """
     n, k = G.shape
+    if k == 0:
+        return np.zeros(0)  # SciPy 1.17 frees its memory twice when asked about nothing
     E = np.empty((n + 1, k))
     E[:n], E[n] = G, h
     target = np.zeros(n + 1)

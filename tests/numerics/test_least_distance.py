@@ -5,7 +5,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from frontal_biped.numerics.least_distance import IndefiniteError, NoFeasiblePointError, solve_least_distance
+from frontal_biped.numerics.least_distance import (
+    IndefiniteError,
+    NoFeasiblePointError,
+    nearest_point,
+    solve_least_distance,
+)
 from frontal_biped.numerics.quadratic_program import UNBOUNDED, ProxQpSolver, QuadraticProgram
 
 OPTIMAL = 1e-9
@@ -88,3 +93,7 @@ def test_contradiction_is_told():
 def test_indefinite_hessian_is_refused():
     with pytest.raises(IndefiniteError, match="positive definite"):
         solve_least_distance(-np.eye(1), np.zeros(1), np.eye(1), np.zeros(1))
+
+
+def test_no_inequality_is_no_problem():
+    assert nearest_point(np.zeros((3, 0)), np.zeros(0)).shape == (0,)

@@ -30,11 +30,13 @@ class SagittalSettings:
         rate: k, at which an error of xi dies out under the centre of pressure [1/s].
         cop_share: share of half the sole's length, from its middle, inside which the centre of pressure is asked for.
         undisturbed_share: the same of an undisturbed step; inside it is below the centre of mass of the posture.
+        speed_change: by how much the mean speed may change from a step to the next [m/s].
     """
 
     rate: float = 3.0
     cop_share: float = 0.8
     undisturbed_share: float = 0.4
+    speed_change: float = 0.15
 
 
 @dataclass(frozen=True)

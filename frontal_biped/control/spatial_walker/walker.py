@@ -89,7 +89,7 @@ class SpatialWalker:
         self.swing = SwingPath()
         self._posture = free.posture[BASE + 1 :].copy()
         self._still = np.zeros(free.model.nv)
-        self._asked = self.speed = speed
+        self._asked = speed
         self.reset(Stance.LEFT, free.posture, self._still)
 
     def command(self, speed: float | None = None, lateral: float | None = None, turn: float | None = None) -> None:
@@ -112,7 +112,7 @@ class SpatialWalker:
         self.estimator.reset(stance, q, v)
         self.program.reset()
         self.landings = 0
-        self.speed = self._asked
+        self.speed = 0.0
         self.swing.start(float(self.estimator.sole(stance.other)[0]), 0.0)
         self._since = np.inf
         self._sent: deque[FloatArray] = deque(maxlen=self._on_the_way + 1)  # accelerations, the oldest act now
@@ -195,13 +195,18 @@ class SpatialWalker:
         after = impact(self.biped, before.q, before.dq)
         estimator.land()
         self.landings += 1
-        self.stance, self.speed = landed, self._asked
+        self.stance, self.speed = landed, self._next_speed()
         self._since, self._expected = 0.0, None
         # what is on its way was made for the other foot: nobody knows what it does now
         self._sent = deque([self._still] * len(self._sent), maxlen=self._sent.maxlen)
         self.swing.start(float(estimator.sole(landed.other)[0]), 0.0)
         seen = self.state.at(estimator.q, estimator.v).frontal(landed)
         self.frontal.begin(self.phases.phase, seen.q, after.dq_plus, landed)
+
+    def _next_speed(self) -> float:
+        """Of the next step: as near to the command as one step may come [m/s]."""
+        most = self.sagittal.settings.speed_change
+        return self.speed + min(max(self._asked - self.speed, -most), most)
 
     def _unexplained(self, seen: FrontalCoordinates) -> FloatArray:
         """(4,) frontal acceleration of the last period beyond what the program expected [rad/s^2]."""
