@@ -23,8 +23,8 @@ from frontal_biped.model.urdf.draft import (
 )
 from frontal_biped.model.urdf.frontal_axes import AXIS_TOLERANCE
 from frontal_biped.model.urdf.legs import Legs
+from frontal_biped.model.urdf.mirrored_joints import MirroredJoints
 from frontal_biped.model.urdf.read import read_urdf
-from frontal_biped.model.urdf.sagittal_joints import SagittalJoints
 from frontal_biped.model.urdf.whole_model import build_model, posture_configuration
 
 STEP_SHARE = 0.3
@@ -53,7 +53,7 @@ def propose_bent_posture(path: Path, step_length: float | None = None, name: str
     urdf_text = read_urdf(description.urdf)
     full = build_model(description, urdf_text)
     legs = legs_of(description, full)
-    draft = _without_pitch(description, full, legs)
+    draft = _without_legs(description, full, legs)
     wanted = STEP_SHARE * _leg_length(draft, full) if step_length is None else step_length
     start = posture_configuration(full, draft)
     ends = _sole_ends(draft, full, legs, start, urdf_text)
@@ -83,10 +83,10 @@ def propose_bent_posture(path: Path, step_length: float | None = None, name: str
     return Proposal(description_text(bent, urdf_key(bent.urdf, folder), head, comments), tuple(undecided), folder)
 
 
-def _without_pitch(description: RobotDescription, full: pin.Model, legs: Legs) -> RobotDescription:
+def _without_legs(description: RobotDescription, full: pin.Model, legs: Legs) -> RobotDescription:
     """The posture of all but the joints that the search moves: those start at zero, or as near as they come."""
     neutral = pin.neutral(full)
-    moved = SagittalJoints(full, legs, description.joints, neutral).angles(neutral)
+    moved = MirroredJoints(full, legs, description.joints, neutral, all_joints=True).angles(neutral)
     kept = {name: angle for name, angle in description.posture.items() if name not in moved}
     return replace(description, posture={**reachable(full), **kept})
 

@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.urdf.legs import Legs
-from frontal_biped.model.urdf.sagittal_joints import LIMIT_MARGIN, SagittalJoints
+from frontal_biped.model.urdf.mirrored_joints import LIMIT_MARGIN, MirroredJoints
 
 ALIGNED = 1e-5
 """Angle [rad] to which axes and feet must come; URDFs that print six digits allow no better."""
@@ -69,7 +69,7 @@ def find_posture(
         start: (nq,) posture to stay close to; the root's rotation is replaced.
         sole_x: heel and toe, from the ankle roll joint [m]; None: unknown.
     """
-    search = _Search(SagittalJoints(full, legs, roll_joints, start), sole_x)
+    search = _Search(MirroredJoints(full, legs, roll_joints, start), sole_x)
     best = search.solve()
     return search.posture(best)
 
@@ -77,7 +77,7 @@ def find_posture(
 class _Search:
     """Weighted least squares; alignment weighs so much that what remains of it is rounding."""
 
-    def __init__(self, joints: SagittalJoints, sole_x: tuple[float, float] | None) -> None:
+    def __init__(self, joints: MirroredJoints, sole_x: tuple[float, float] | None) -> None:
         self.joints, self.sole_x = joints, sole_x
 
     def residual(self, x: FloatArray) -> FloatArray:

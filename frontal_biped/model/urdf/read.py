@@ -27,7 +27,7 @@ def read_urdf(path: Path) -> str:
         path: the URDF file.
 
     Returns:
-        The text, ready for Pinocchio.
+        The text, ready for Pinocchio: a link that bears the name of a joint is called ``..._link`` in it.
 
     Raises:
         RobotError: the file is missing, too large, not XML, declares XML entities, or its links, joints,
@@ -54,7 +54,7 @@ def read_urdf(path: Path) -> str:
     _check_links(path, root)
     _check_joints(path, root)
     _check_mesh_paths(path, root)
-    return text
+    return _with_links_renamed(root) or text
 
 
 def _parse(path: Path, text: str) -> ElementTree.Element:
@@ -168,6 +168,27 @@ def _check_mesh_paths(path: Path, root: ElementTree.Element) -> None:
                 f"{path}: mesh {name!r} leaves the robot's package; keep meshes beside the URDF's folder and name them"
                 " package://package/meshes/..."
             )
+
+
+def _with_links_renamed(root: ElementTree.Element) -> str | None:
+    """The text in which no link bears a joint's name, which Pinocchio cannot tell apart; None: there is none."""
+    joints = {joint.get("name", "") for joint in root.findall("joint")}
+    links = {link.get("name", "") for link in root.findall("link")}
+    if not joints & links:
+        return None
+    renamed = {}
+    for name in sorted(joints & links):
+        new = f"{name}_link"
+        while new in links | joints:
+            new += "_"
+        links.add(new)
+        renamed[name] = new
+    for link in root.findall("link"):
+        link.set("name", renamed.get(link.get("name", ""), link.get("name", "")))
+    for joint in root.findall("joint"):
+        for end in (*joint.findall("parent"), *joint.findall("child")):
+            end.set("link", renamed.get(end.get("link", ""), end.get("link", "")))
+    return ElementTree.tostring(root, encoding="unicode")
 
 
 def _numbers(where: str, element: ElementTree.Element | None, key: str, count: int) -> list[float]:

@@ -92,9 +92,10 @@ def reduce_to_frontal_plane(robot: Robot) -> FrontalReduction:
     _check_feet(where, position, description)  # HR5
     differences = asymmetry(measured, description.sole)
     bodies = _mirrored(measured, differences, description, where)  # HR3
-    _check_flat_feet(where, angle, axis_sign, description)  # HR5
     if description.virtual_legs:
         _check_level_feet(robot)  # HR5
+    else:
+        _check_flat_feet(where, angle, axis_sign, description)  # HR5
     stance_map = StanceMap(
         axis_sign=np.array([axis_sign[key] for key in ROLL_JOINTS]),
         reference=np.array([angle[key] for key in ROLL_JOINTS]),

@@ -148,7 +148,9 @@ def test_limits_that_do_not_allow_the_step_are_named():
 def test_a_leg_without_a_knee_is_refused():
     robot = load_whole_robot("frontal_biped")
     legs = find_legs(robot.model, "frontal_biped")
-    with pytest.raises(RobotError, match="0 joints of left_hip, left_ankle pitch, down to the ankle"):
+    with pytest.raises(
+        RobotError, match="2 joints down to the ankle roll joint, left_hip, left_ankle; a leg that bends"
+    ):
         find_bent_posture(robot.model, legs, robot.description.joints, robot.posture, 0.1)
 
 

@@ -8,7 +8,7 @@ from random_states import UPRIGHT
 
 from frontal_biped.exceptions import RobotError
 from frontal_biped.model import load_robot
-from frontal_biped.model.urdf.read import JOINT_TYPES
+from frontal_biped.model.urdf.read import JOINT_TYPES, read_urdf
 
 REVOLUTE_LEFT_HIP = '<joint name="left_hip" type="revolute"'
 HIP_LIMIT = '<limit lower="-1.0" upper="1.0" effort="150" velocity="10"/>'
@@ -153,3 +153,16 @@ def test_axis_need_not_be_a_unit_vector(model_files, biped):
     urdf.write_text(text, encoding="utf-8")
     q = UPRIGHT + np.array([0.1, -0.1, 0.2, 0.05])
     assert load_robot(description).D(q) == pytest.approx(biped.D(q), rel=1e-12)
+
+
+def test_a_link_may_bear_the_name_of_a_joint(model_files, biped):
+    """Pinocchio cannot tell them apart; the robot is the same, its shapes too."""
+    urdf, description = model_files
+    text = urdf.read_text()
+    assert '"left_leg"' in text and '"left_hip"' in text
+    urdf.write_text(text.replace('"left_leg"', '"left_hip"'))
+    robot = load_robot(description)
+    assert robot.D(np.full(4, -1.5)) == pytest.approx(biped.D(np.full(4, -1.5)), rel=1e-14)
+    assert robot.stance_map.joint_names == biped.stance_map.joint_names
+    assert 'link name="left_hip_link"' in read_urdf(urdf)
+    assert robot.robot.soles.left.length == biped.robot.soles.left.length

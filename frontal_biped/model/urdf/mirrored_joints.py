@@ -1,4 +1,4 @@
-"""The joints that move a robot in its sagittal plane: pitch of both legs, as mirror images, and of the torso."""
+"""Joints that move a robot in its sagittal plane: those of both legs, as mirror images, and the pitch of the torso."""
 
 from collections.abc import Mapping
 
@@ -12,8 +12,8 @@ LIMIT_MARGIN = 1e-6  # [rad] that a joint keeps from its limits
 MOST_LEAN = 0.6  # [rad] of the pelvis
 
 
-class SagittalJoints:
-    """Postures x = (lean of the pelvis, pitch angles of a leg from the hip down, pitch of the torso) [rad].
+class MirroredJoints:
+    """Postures x = (lean of the pelvis, angles of a leg from the hip down, pitch of the torso) [rad].
 
     The torso's angle is there only where a joint for it is. Every other joint stays where it is at the start.
 
@@ -22,19 +22,27 @@ class SagittalJoints:
         legs: its legs.
         roll_joints: the four roll joints.
         start: (nq,) posture to start from; the root's rotation is replaced.
+        all_joints: move every joint of a leg down to its ankle roll joint, not only those that pitch.
     """
 
-    def __init__(self, full: pin.Model, legs: Legs, roll_joints: Mapping[str, str], start: FloatArray) -> None:
+    def __init__(
+        self,
+        full: pin.Model,
+        legs: Legs,
+        roll_joints: Mapping[str, str],
+        start: FloatArray,
+        all_joints: bool = False,
+    ) -> None:
         self.full, self.legs = full, legs
         self.data = full.createData()
         self.start = start.copy()
         self.hips = [full.getJointId(roll_joints[f"{side}_hip"]) for side in ("left", "right")]
         self.ankles = [full.getJointId(roll_joints[f"{side}_ankle"]) for side in ("left", "right")]
         self.feet = [self._flat_foot(ankle) for ankle in self.ankles]
-        last = legs.left.index(roll_joints["left_ankle"])
-        pitch = [i for i in legs.pitch if i < last]  # beyond the ankle are toes
-        self.pairs = [(full.getJointId(legs.left[i]), full.getJointId(legs.right[i])) for i in pitch]
-        self.signs = [self._mirror_sign(left, right) for left, right in self.pairs]
+        last = legs.left.index(roll_joints["left_ankle"])  # beyond the ankle are toes
+        moved = range(last + 1) if all_joints else [i for i in legs.pitch if i < last]
+        self.pairs = [(full.getJointId(legs.left[i]), full.getJointId(legs.right[i])) for i in moved]
+        self.signs = [float(np.sign(self._mirror_image(left) @ self.zero_axis(right))) for left, right in self.pairs]
         self.torso = self._torso_pitch()
         self.address = [full.joints[left].idx_q for left, _ in self.pairs]
         if self.torso is not None:
@@ -86,7 +94,7 @@ class SagittalJoints:
         return low, np.maximum(high, low + LIMIT_MARGIN)
 
     def angles(self, q: FloatArray) -> dict[str, float]:
-        """The pitch joints' angles at a configuration, by name [rad]."""
+        """Angles of the joints that move, at a configuration, by name [rad]."""
         joints = [joint for pair in self.pairs for joint in pair]
         if self.torso is not None:
             joints.append(self.torso)
@@ -103,16 +111,17 @@ class SagittalJoints:
         pin.forwardKinematics(self.full, self.data, q)
         return self.data.oMi[ankle].rotation.copy()
 
-    def _zero_axis(self, joint: int) -> FloatArray:
+    def zero_axis(self, joint: int) -> FloatArray:
+        """World axis of a joint, all joints at zero and the root upright."""
         q = pin.neutral(self.full)
         q[3:7] = pin.Quaternion(self.legs.upright).coeffs()
         pin.computeJointJacobians(self.full, self.data, q)
         jacobian = pin.getJointJacobian(self.full, self.data, joint, pin.LOCAL_WORLD_ALIGNED)
         return jacobian[3:, self.full.joints[joint].idx_v].copy()
 
-    def _mirror_sign(self, left: int, right: int) -> float:
-        """+1 where equal angles are mirror images: a rotation vector keeps its y and loses the sign of x and z."""
-        return float(np.sign(self._zero_axis(left) * [-1.0, 1.0, -1.0] @ self._zero_axis(right)))
+    def _mirror_image(self, left: int) -> FloatArray:
+        """Axis whose positive turns mirror those of a left joint: a rotation vector keeps its y, x and z turn round."""
+        return self.zero_axis(left) * [-1.0, 1.0, -1.0]
 
     def _torso_pitch(self) -> int | None:
         """The first pitch joint that carries at least a fifth of the mass and no leg."""
@@ -122,6 +131,6 @@ class SagittalJoints:
             carried = list(full.subtrees[joint])
             if any(ankle in carried for ankle in self.ankles) or full.joints[joint].nq != 1:
                 continue
-            if sum(masses[j] for j in carried) >= 0.2 * sum(masses) and abs(self._zero_axis(joint)[1]) > 1.0 - 1e-6:
+            if sum(masses[j] for j in carried) >= 0.2 * sum(masses) and abs(self.zero_axis(joint)[1]) > 1.0 - 1e-6:
                 return joint
         return None
