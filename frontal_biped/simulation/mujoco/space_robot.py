@@ -114,7 +114,7 @@ class SpaceRobot:
         self._band = SPEED_BAND * self._speed
         self._speed_gain = self.model.opt.timestep / _free_inertias(free)
         self._load = _NOTHING
-        self._applied, self._torques = np.zeros(self.model.nv), np.zeros(len(self._v_at))
+        self._torques, self._rates, self._acting = (np.zeros(len(self._v_at)) for _ in range(3))
 
     def _apply(self, errors: SpatialErrors) -> None:
         model, bodies = self.model, self._bodies
@@ -178,24 +178,31 @@ class SpaceRobot:
     # ------------------------------------------------------------------ motion
     def run(self, tau: FloatArray, steps: int, pushes: Sequence[LinkForce] = ()) -> None:
         """Physics steps under commanded joint torques (n,) [N m] and forces on links."""
-        mujoco, model, data, applied = self._mujoco, self.model, self.data, self._applied
-        applied[:] = 0.0
+        mujoco, model, data = self._mujoco, self.model, self.data
+        data.qfrc_applied[:] = 0.0
         for push in pushes:
             body, point = self._point(push.link, push.point)
-            mujoco.mj_applyFT(model, data, push.force, np.zeros(3), point, body, applied)
-        cut = np.clip(tau, -self._effort, self._effort)
+            mujoco.mj_applyFT(model, data, push.force, np.zeros(3), point, body, data.qfrc_applied)
+        pushed = data.qfrc_applied[self._v_at]
+        cut = np.minimum(np.maximum(tau, -self._effort), self._effort)
         sense, denominator = np.sign(cut), self._band + self._speed_gain * np.abs(cut)
+        rates, acting = self._rates, self._acting
         self._torques[:] = 0.0
         for step in range(steps):
-            share = (self._speed - sense * data.qvel[self._v_at]) / denominator
-            acting = cut * np.clip(share, 0.0, 1.0)
-            self._torques += acting / steps
-            data.qfrc_applied[:] = applied
-            data.qfrc_applied[self._v_at] += acting
+            np.take(data.qvel, self._v_at, out=rates)
+            np.multiply(sense, rates, out=acting)
+            np.subtract(self._speed, acting, out=acting)  # what is left of the speed
+            np.divide(acting, denominator, out=acting)
+            np.minimum(acting, 1.0, out=acting)
+            np.maximum(acting, 0.0, out=acting)
+            np.multiply(cut, acting, out=acting)
+            self._torques += acting
+            data.qfrc_applied[self._v_at] = acting + pushed
             mujoco.mj_step2(model, data)
             if step == 0:
                 self._load = self._take_load()
             mujoco.mj_step1(model, data)
+        self._torques /= steps
 
     def torques(self) -> FloatArray:
         """(n,) what the motors gave in the last `run`, on average over its steps [N m]."""

@@ -1,7 +1,5 @@
 """What stands between the true state of a free robot and its controller: noise of encoders and inertial unit."""
 
-from dataclasses import replace
-
 import pinocchio as pin
 
 from frontal_biped.control.spatial_walker.interface import SpatialReading
@@ -33,10 +31,4 @@ class SpatialSensors:
             velocities = None if disturbances.noisy_sensors else velocities
         elif self._velocity_noise and velocities is not None:
             velocities = velocities + self._velocity_noise * normal(len(velocities))
-        return replace(
-            true,
-            joint_positions=positions,
-            joint_velocities=velocities,
-            base_rotation=rotation,
-            base_angular_velocity=rates,
-        )
+        return SpatialReading(true.time, positions, velocities, rotation, rates, true.contact)
