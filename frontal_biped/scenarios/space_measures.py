@@ -9,32 +9,34 @@ from frontal_biped.scenarios.measured import largest, of_every_run, of_steps
 from frontal_biped.scenarios.preparation import Prepared
 from frontal_biped.scenarios.space_run import in_space
 from frontal_biped.simulation.space.run import SpatialRun
+from frontal_biped.simulation.space.soles import bearing, friction_used, pressure_in_sole
+from frontal_biped.simulation.space.steps import step_table
 
 LOADED = 0.1
-"""Share of the weight that a foot carries where its friction and its centre of pressure are told: below that, the
-contact of a landing rings."""
+"""Share of the weight that a foot carries where its friction and centre of pressure count: below, a landing rings."""
 
 
 def spatial_measures(prepared: Prepared, run: SpatialRun) -> dict[str, float]:
     """Numbers of a walk in space, by the keys of `Expectations`; nan where there was nothing to measure."""
     free, _ = in_space(prepared)
-    outer, inner = prepared.biped.sole
-    sole = free.soles.left
-    measured = run.settings.get("measured", {})
-    force = run.wrench[:, :, :3]
-    loaded = force[:, :, 2] > LOADED * free.weight
-    stance = np.where(run.stance > 0.0, 0, 1)
-    stands = loaded[np.arange(len(stance)), stance]
-    p_fri, cop_x = run.p_fri[stands], run.cop_x[stands]
+    measured, steps = run.settings.get("measured", {}), step_table(run)
+    loaded = bearing(run) & (run.wrench[:, :, 2] > LOADED * free.weight)
+    ahead, across = [], []
+    for foot, sole in enumerate(free.soles):
+        x, y = pressure_in_sole(run)[loaded[:, foot], foot].T
+        ahead += [x + sole.back, sole.front - x]
+        outwards = sole.side.sign * y
+        across += [outwards + sole.inner, sole.outer - outwards]
+    second_half = slice(len(steps.step) // 2, None)
     return {
         "steps": float(run.steps_completed),
         "output_error": largest(np.abs(run.frontal_y)),
         "torque": _share(measured, "torque_share"),
         "joint_speed": _share(measured, "speed_share"),
-        "friction": largest(np.hypot(force[loaded][:, 0], force[loaded][:, 1]) / force[loaded][:, 2]),
-        "fri_margin": _margin(p_fri - outer, inner - p_fri),
-        "cop_margin": _margin(cop_x + sole.back, sole.front - cop_x),
-        "walking_speed": run.mean_speed(len(run.step_durations) // 2),
+        "friction": largest(friction_used(run)[loaded]),
+        "fri_margin": -largest(-np.concatenate(across)),
+        "cop_margin": -largest(-np.concatenate(ahead)),
+        "walking_speed": _mean(steps.speed[second_half], steps.duration[second_half]),
         "yaw_drift": float(run.yaw[-1] - run.yaw[0]) if len(run.yaw) else float("nan"),
         "self_collisions": float(measured.get("self_collision", {}).get("touching", 0)),
         "foot_slip": of_steps(measured, "slip"),
@@ -43,8 +45,8 @@ def spatial_measures(prepared: Prepared, run: SpatialRun) -> dict[str, float]:
     }
 
 
-def _margin(*distances: FloatArray) -> float:
-    return -largest(-np.minimum(*distances))
+def _mean(values: FloatArray, weights: FloatArray) -> float:
+    return float(np.average(values, weights=weights)) if len(values) else float("nan")
 
 
 def _share(measured: Any, key: str) -> float:

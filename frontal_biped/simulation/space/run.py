@@ -41,9 +41,9 @@ class SpatialRun:
         frontal_q: (T, 4) true frontal state of the stance leg [rad].
         frontal_dq: (T, 4) [rad/s].
         frontal_y: (T, 3) output error q_b - h_d(beta) [rad].
-        p_fri: (T,) true FRI, along h from the stance ankle [m].
+        p_fri: (T,) true FRI, along h from the stance ankle [m]; nan while the foot does not bear.
         p_fri_target: (T,) wanted FRI [m].
-        cop_x: (T,) centre of pressure ahead of the stance ankle, in the foot's axes [m].
+        cop_x: (T,) centre of pressure ahead of the stance ankle, in the foot's axes [m]; nan likewise.
         cop_target_x: (T,) wanted one [m].
         phase: (T,) +1 rising, -1 falling.
         stance: (T,) +1 left, -1 right.
@@ -111,38 +111,9 @@ class SpatialRun:
         return np.array([i for i, name in enumerate(self.event_kind) if name == kind], dtype=np.int64)
 
     @property
-    def landings(self) -> FloatArray:
-        """(k,) times of the landings, the start of the run among them [s]."""
-        return self.event_t[self.events("IMPACT")]
-
-    @property
-    def step_durations(self) -> FloatArray:
-        """(k,) of whole steps [s]."""
-        durations: FloatArray = np.diff(self.landings)
-        return durations
-
-    @property
     def post_impact_speeds(self) -> FloatArray:
         """(k,) frontal dbeta right after each landing [rad/s]."""
         return self.event_frontal[self.events("IMPACT"), self.frontal_q.shape[1]]
-
-    def footprints(self) -> FloatArray:
-        """(k, 4) for each step x, y [m] and yaw [rad] of its stance foot half-way through it, and +1 left, -1 right."""
-        rows = []
-        for step in np.unique(self.step):
-            of_step = np.flatnonzero(self.step == step)
-            middle = of_step[len(of_step) // 2]
-            foot = 0 if self.stance[middle] > 0.0 else 1
-            rows.append([*self.sole_position[middle, foot, :2], self.sole_yaw[middle, foot], self.stance[middle]])
-        return np.array(rows).reshape(-1, 4)
-
-    def mean_speed(self, first_landing: int = 0) -> float:
-        """Speed of the centre of mass along X from a landing to the last one [m/s]; nan without a whole step."""
-        landings = self.landings[first_landing:]
-        if len(landings) < 2:
-            return float("nan")
-        x = np.interp(landings[[0, -1]], self.t, self.com[:, 0])
-        return float((x[1] - x[0]) / (landings[-1] - landings[0]))
 
 
 _ARRAYS = tuple(f.name for f in fields(SpatialRun) if f.type is FloatArray)

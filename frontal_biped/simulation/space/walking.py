@@ -28,7 +28,7 @@ from frontal_biped.simulation.motors import Motors
 from frontal_biped.simulation.mujoco.space_robot import SpaceEngine
 from frontal_biped.simulation.mujoco.spec import ContactSettings, contact_for
 from frontal_biped.simulation.sensed import EVENTS, RINGING
-from frontal_biped.simulation.space.engine import SolePose, SpatialEngine, SpatialState
+from frontal_biped.simulation.space.engine import SpatialEngine, SpatialState
 from frontal_biped.simulation.space.measured import JointMeter, self_collisions
 from frontal_biped.simulation.space.pushes import SpatialPushForces, link_place
 from frontal_biped.simulation.space.recorder import SpatialRecorder
@@ -218,7 +218,9 @@ class SpatialPilot:
         self._meter.drive(tau, true.joint_velocities)
         self._joints.measure(true.joint_positions, true.joint_velocities, tau)
         if self._row is not None:
-            self._complete(self._row, tau)
+            wrenches = self._engine.wrenches()
+            if np.isfinite(wrenches).all():  # the last period of a state that has diverged is not worth keeping
+                self._recorder.sample({**self._row, "tau": tau, "wrench": wrenches})
             self._row = None
         if move.fell is None:
             return None
@@ -284,31 +286,7 @@ class SpatialPilot:
             "yaw": self._yaw,
             "foothold": command.foothold,
             "solved": command.solved,
-            "on": soles[0 if command.stance is Stance.LEFT else 1],
         }
-
-    def _complete(self, row: dict[str, Any], tau: FloatArray) -> None:
-        stance, sole = Stance.of_sign(row["stance"]), row.pop("on")
-        wrenches = self._engine.wrenches()
-        ahead, to_the_left = pressure_centre(wrenches[0 if stance is Stance.LEFT else 1], sole)
-        row |= {"tau": tau, "wrench": wrenches, "cop_x": ahead, "p_fri": -stance.sign * to_the_left}
-        if np.isfinite(wrenches).all():  # the last period of a state that has diverged is not worth keeping
-            self._recorder.sample(row)
-
-
-def pressure_centre(wrench: FloatArray, sole: SolePose) -> tuple[float, float]:
-    """Where the ground presses on a sole: ahead of and to the left of the ankle, along the sole [m]; nan: nowhere.
-
-    Args:
-        wrench: (6,) force, then moment about the origin of the sole's frame, world axes [N, N m].
-        sole: where the sole is.
-    """
-    force, moment = wrench[2], wrench[3:5]
-    if not force > 0.0:
-        return float("nan"), float("nan")
-    angle = heading(sole.rotation)
-    x, y = -moment[1] / force, moment[0] / force
-    return float(np.cos(angle) * x + np.sin(angle) * y), float(np.cos(angle) * y - np.sin(angle) * x)
 
 
 def heading(rotation: FloatArray) -> float:
