@@ -109,8 +109,12 @@ class FreeRobot:
 
     @cached_property
     def limits(self) -> JointLimits:
-        """What the joints can do, in the order of `joint_names`."""
-        return JointLimits(*(row[self._rows] for row in self.robot.limits))
+        """What the joints can do, in the order of `joint_names`; inf where the URDF writes a torque or speed of 0.
+
+        Exporters write 0 where they know none; a joint that can neither move nor hold would be no joint.
+        """
+        lower, upper, velocity, effort = (row[self._rows] for row in self.robot.limits)
+        return JointLimits(lower, upper, _none_as_inf(velocity), _none_as_inf(effort))
 
     @cached_property
     def armature(self) -> FloatArray:
@@ -130,6 +134,10 @@ class FreeRobot:
         """Indices, among the joints, of a leg from the hip to the ankle roll joint."""
         model, ankle = self.model, self.model.getJointId(self.robot.description.joints[f"{side.value}_ankle"])
         return tuple(model.joints[joint].idx_v - BASE for joint in model.supports[ankle] if joint > 1)
+
+
+def _none_as_inf(limits: FloatArray) -> FloatArray:
+    return np.where(limits > 0.0, limits, np.inf)
 
 
 def _light_joints(robot: Robot) -> tuple[str, ...]:

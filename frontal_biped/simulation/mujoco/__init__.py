@@ -11,6 +11,6 @@ that sees to the speed. `walk(robot, gait, engine="mujoco", errors=..., disturba
 Feet as light as G1's and iCub's (2e-4 and 3e-3 kg m^2) are moved by torques held for 1 ms across the impact. Error
 dynamics of 30 rad/s let both fall; sampled control therefore takes a tenth of the rate, 100 rad/s at 1 kHz.
 
-The whole robot walks here too, on a free base with every joint: `SpaceEngine` in `space_robot`, which
+The whole robot walks here too, on a free base with every joint: `SpaceEngine` in `space_engine`, which
 `frontal_biped.simulation.space.walking.walk_in_space` drives.
 """

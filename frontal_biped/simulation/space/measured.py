@@ -23,9 +23,7 @@ class JointMeter:
 
     def __init__(self, free: FreeRobot) -> None:
         self._names, limits = free.joint_names, free.limits
-        # a share of nothing, or of no limit, is none
-        self._effort = np.where(limits.effort > 0.0, limits.effort, np.inf)
-        self._velocity = np.where(limits.velocity > 0.0, limits.velocity, np.inf)
+        self._effort, self._velocity = limits.effort, limits.velocity
         self._lower, self._upper = limits.lower, limits.upper
         n = len(self._names)
         self._largest = {"torque_share": np.zeros(n), "speed_share": np.zeros(n), "beyond_range": np.zeros(n)}

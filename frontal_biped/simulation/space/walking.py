@@ -25,7 +25,7 @@ from frontal_biped.simulation.hybrid_system import EventKind
 from frontal_biped.simulation.loop import Decision, Steps, run_sampled
 from frontal_biped.simulation.measured import Airborne, StepMeter
 from frontal_biped.simulation.motors import Motors
-from frontal_biped.simulation.mujoco.space_robot import SpaceEngine
+from frontal_biped.simulation.mujoco.space_engine import SpaceEngine
 from frontal_biped.simulation.mujoco.spec import ContactSettings, contact_for
 from frontal_biped.simulation.sensed import EVENTS, RINGING
 from frontal_biped.simulation.space.engine import SpatialEngine, SpatialState

@@ -1,12 +1,14 @@
 """The robot on its free base."""
 
 import pickle
+import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
 from frontal_biped.model.catalogue import load_whole_robot
+from frontal_biped.model.robot import Robot
 from frontal_biped.model.space.free_robot import BASE, FreeRobot
 from frontal_biped.model.stance_map import Stance
 
@@ -64,3 +66,18 @@ def test_pickles():
     free = FreeRobot(load_whole_robot("romeo"))
     again = pickle.loads(pickle.dumps(free))
     np.testing.assert_array_equal(again.posture, free.posture)
+
+
+def test_a_limit_of_nothing_is_none():
+    """Exporters write effort="0" velocity="0" where they know none."""
+    robot = load_whole_robot("talos_full")
+    root = ElementTree.fromstring(robot.urdf_text)
+    (limit,) = root.findall("joint[@name='head_1_joint']/limit")
+    limit.set("effort", "0")
+    limit.set("velocity", "0")
+    free = FreeRobot(Robot(robot.description, ElementTree.tostring(root, encoding="unicode")))
+    head = free.joint_names.index("head_1_joint")
+    assert np.isinf([free.limits.effort[head], free.limits.velocity[head]]).all()
+    others = np.arange(len(free.joint_names)) != head
+    assert np.isfinite(free.limits.effort[others]).all()
+    assert np.isfinite(free.limits.velocity[others]).all()

@@ -11,7 +11,8 @@ from frontal_biped.model.space.errors import SpatialErrors
 from frontal_biped.model.space.free_robot import FreeRobot
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.hybrid_system import EventKind
-from frontal_biped.simulation.mujoco.space_robot import SPEED_BAND, TOPPLED_OVER, SpaceEngine, SpaceRobot
+from frontal_biped.simulation.mujoco.space_engine import TOPPLED_OVER, SpaceEngine
+from frontal_biped.simulation.mujoco.space_robot import SPEED_BAND, SpaceRobot
 from frontal_biped.simulation.mujoco.spec import ContactSettings
 from frontal_biped.simulation.mujoco.walk import DIVERGED
 from frontal_biped.simulation.space.pushes import LinkForce, SpatialPush, SpatialPushForces
