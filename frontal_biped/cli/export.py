@@ -3,7 +3,7 @@
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from frontal_biped.cli.arguments import (
     add_robot,
@@ -19,16 +19,18 @@ from frontal_biped.cli.progress import Progress
 from frontal_biped.exceptions import FrontalBipedError
 
 if TYPE_CHECKING:
-    from frontal_biped.model.biped import FrontalBiped
-    from frontal_biped.simulation.trajectory import Trajectory
+    from collections.abc import Callable, Mapping
+
+    import numpy as np
 
 SUMMARY = (
     "A run as CSV of joint angles, velocities, torques and FRI, as GIF, PNG or page, by the ending of -o; of a gait"
-    " its periodic orbit. GIF and PNG need the extra `browser`."
+    " its periodic orbit; of a walk in space also NPZ, arrays in the conventions of Pinocchio and MuJoCo. GIF and PNG"
+    " need the extra `browser`."
 )
 EXAMPLE = "frontal-biped export run.npz -o run.csv --rate 200"
 
-ENDINGS = (".csv", ".gif", ".png", ".html")
+ENDINGS = (".csv", ".npz", ".gif", ".png", ".html")
 ORBIT_STEPS = 2
 """Of a gait's periodic orbit: one on either foot."""
 
@@ -37,7 +39,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The run, the file, and what each kind of file can be told."""
     add_source(parser)
     add_robot(parser)
-    parser.add_argument("-o", "--output", metavar="FILE", type=Path, required=True, help=".csv, .gif, .png or .html")
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", type=Path, required=True, help=".csv, .npz, .gif, .png or .html"
+    )
     parser.add_argument("--steps", metavar="N", type=positive_int, help="default: all of a run, two of a gait")
     parser.add_argument(
         "--coordinates",
@@ -56,43 +60,96 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the file; a gait gives its periodic orbit, from the zero dynamics in closed form."""
-    from frontal_biped.cli.sources import load_source
+    from frontal_biped.cli.sources import is_spatial
     from frontal_biped.files.atomic import require_parent
-    from frontal_biped.simulation.orbit import orbit_trajectory
 
     target: Path = arguments.output
     if target.suffix.lower() not in ENDINGS:
         raise FrontalBipedError(f"-o {target}: its ending is none of {', '.join(ENDINGS)}")
     require_parent(target)
+    source = _spatial(arguments) if is_spatial(arguments.source) else _planar(arguments)
+    if not 0.0 <= arguments.time <= source.duration:
+        raise FrontalBipedError(
+            f"--time {arguments.time:g}: the run takes {source.duration:.3f} s; choose a time within it"
+        )
+    with Progress(f"writing {target.name}"):
+        _write(arguments, target, source)
+    sys.stdout.write(f"{target}: {target.stat().st_size / 1e6:.2f} MB\n")
+    return SUCCESS
+
+
+class _Exported(NamedTuple):
+    """What is written, in all the kinds of files there are.
+
+    Attributes:
+        duration: of the run [s].
+        csv: its table as text.
+        arrays: of an archive; None where there are none.
+        page: its page, with or without plots, in a theme.
+    """
+
+    duration: float
+    csv: "Callable[[], str]"
+    arrays: "Callable[[], Mapping[str, np.ndarray[Any, Any]]] | None"
+    page: "Callable[[bool, str], str]"
+
+
+def _planar(arguments: argparse.Namespace) -> _Exported:
+    from frontal_biped.cli.sources import load_source
+    from frontal_biped.simulation.csv_table import run_table, table_csv
+    from frontal_biped.simulation.orbit import orbit_trajectory
+    from frontal_biped.viewer.page import animation_page
+
     steps: int | None = arguments.steps
     biped, _, run = load_source(
         arguments.source, arguments.robot, lambda biped, gait: orbit_trajectory(biped, gait, steps or ORBIT_STEPS)
     )
     if steps is not None:
         run = run.first_steps(steps)
-    end = float(run.t[-1] - run.t[0])
-    if not 0.0 <= arguments.time <= end:
-        raise FrontalBipedError(f"--time {arguments.time:g}: the run takes {end:.3f} s; choose a time within it")
-    with Progress(f"writing {target.name}"):
-        _write(arguments, target, biped, run, end)
-    sys.stdout.write(f"{target}: {target.stat().st_size / 1e6:.2f} MB\n")
-    return SUCCESS
+    return _Exported(
+        duration=float(run.t[-1] - run.t[0]),
+        csv=lambda: table_csv(*run_table(biped, run, arguments.coordinates, arguments.rate)),
+        arrays=None,
+        page=lambda plots, theme: animation_page(biped, run, title=biped.name, plots=plots, theme=theme),
+    )
 
 
-def _write(arguments: argparse.Namespace, target: Path, biped: "FrontalBiped", run: "Trajectory", end: float) -> None:
+def _spatial(arguments: argparse.Namespace) -> _Exported:
+    from frontal_biped.cli.sources import load_spatial_source
+    from frontal_biped.simulation.csv_table import table_csv
+    from frontal_biped.simulation.space.conventions import convention_arrays
+    from frontal_biped.simulation.space.table import spatial_table
+    from frontal_biped.viewer.space_page import space_page
+
+    robot, _, run, orbit = load_spatial_source(arguments.source, arguments.robot)
+    if arguments.steps is not None:
+        run = run.first_steps(arguments.steps)
+    return _Exported(
+        duration=float(run.t[-1] - run.t[0]),
+        csv=lambda: table_csv(*spatial_table(robot, run, arguments.coordinates, arguments.rate)),
+        arrays=lambda: convention_arrays(robot, run),
+        page=lambda plots, theme: space_page(robot, run, orbit, plots=plots, theme=theme),
+    )
+
+
+def _write(arguments: argparse.Namespace, target: Path, source: _Exported) -> None:
     import numpy as np
 
-    from frontal_biped.files.atomic import write_text
-    from frontal_biped.simulation.csv_table import run_table, table_csv
+    from frontal_biped.files.atomic import atomic_path, write_text
     from frontal_biped.viewer.headless import write_gif, write_png
-    from frontal_biped.viewer.page import animation_page
 
     kind = target.suffix.lower()
     if kind == ".csv":
-        write_text(target, table_csv(*run_table(biped, run, arguments.coordinates, arguments.rate)))
+        write_text(target, source.csv())
         return
-    theme = "dark" if arguments.dark else "auto" if kind == ".html" else "light"
-    page = animation_page(biped, run, title=biped.name, plots=kind != ".gif", theme=theme)
+    if kind == ".npz":
+        if source.arrays is None:
+            raise FrontalBipedError(f"-o {target}: arrays are exported of walks in space; choose .csv")
+        arrays = source.arrays()
+        with atomic_path(target) as temporary, temporary.open("wb") as stream:
+            np.savez_compressed(stream, **arrays)  # type: ignore[arg-type]
+        return
+    page = source.page(kind != ".gif", "dark" if arguments.dark else "auto" if kind == ".html" else "light")
     if kind == ".html":
         write_text(target, page)
     elif kind == ".png":
@@ -100,4 +157,5 @@ def _write(arguments: argparse.Namespace, target: Path, biped: "FrontalBiped", r
     else:
         # a GIF counts in hundredths of a second
         frame = max(2, round(100.0 / arguments.fps)) / 100.0
-        write_gif(page, target, np.arange(0.0, end, frame).tolist(), 1.0 / frame, arguments.size or (640, 480))
+        times = np.arange(0.0, source.duration, frame).tolist()
+        write_gif(page, target, times, 1.0 / frame, arguments.size or (640, 480))

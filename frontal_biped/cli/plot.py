@@ -7,7 +7,7 @@ from pathlib import Path
 from frontal_biped.cli.arguments import add_robot, add_source, add_value, figure_formats
 from frontal_biped.cli.exit_status import SUCCESS
 
-SUMMARY = "Write the paper's figures and more."
+SUMMARY = "Write the paper's figures and more; of a walk in space footsteps, pressure, limits and speed."
 EXAMPLE = "frontal-biped plot run.npz -o figures"
 
 
@@ -23,10 +23,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the figures, and name the files."""
-    from frontal_biped.cli.sources import load_source
+    from frontal_biped.cli.sources import is_spatial, load_source, load_spatial_source
+    from frontal_biped.figures.space import write_space_figures
     from frontal_biped.figures.write import write_figures
 
-    source = load_source(arguments.source, arguments.robot)
-    for path in write_figures(arguments.output, source.biped, source.gait, source.run, arguments.format):
+    if is_spatial(arguments.source):
+        walk = load_spatial_source(arguments.source, arguments.robot)
+        paths = write_space_figures(
+            arguments.output, walk.robot, walk.run, walk.gait, walk.orbit, formats=arguments.format
+        )
+    else:
+        source = load_source(arguments.source, arguments.robot)
+        paths = write_figures(arguments.output, source.biped, source.gait, source.run, arguments.format)
+    for path in paths:
         sys.stdout.write(f"{path}\n")
     return SUCCESS

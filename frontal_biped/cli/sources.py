@@ -7,10 +7,14 @@ from typing import NamedTuple
 
 from frontal_biped.cli.progress import Progress
 from frontal_biped.exceptions import FrontalBipedError, GaitFileError
+from frontal_biped.files.archive import archive_format
 from frontal_biped.gait.file import gait_from_dict, load_gait
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import load_robot
+from frontal_biped.model.space.free_robot import FreeRobot
+from frontal_biped.simulation.orbit import orbit_trajectory
+from frontal_biped.simulation.space.run import KIND, SpatialRun, load_spatial_run
 from frontal_biped.simulation.trajectory import Trajectory, load_trajectory
 from frontal_biped.simulation.walking import simulate
 
@@ -53,12 +57,60 @@ def load_source(path: Path, robot: str | None, run_of: Callable[[FrontalBiped, G
     if "format" in run.gait:
         gait = gait_from_dict(dict(run.gait), f"{path}: gait")
         return Source(robot_of(gait, robot), gait, run)
+    return Source(_robot_of_run(path, run.robot, robot), None, run)
+
+
+def _robot_of_run(path: Path, named: str, robot: str | None) -> FrontalBiped:
     try:
-        return Source(load_robot(robot or run.robot), None, run)
+        return load_robot(robot or named)
     except FrontalBipedError as error:
         if robot:
             raise
         raise FrontalBipedError(f"{path}: its robot cannot be loaded: {error}; name it with --robot") from None
+
+
+class SpatialSource(NamedTuple):
+    """What the run file of a walk in space holds.
+
+    Attributes:
+        robot: its robot.
+        gait: its gait; None of a run that does not tell.
+        run: the walk.
+        orbit: one step of the gait in closed form; None without a gait.
+    """
+
+    robot: FreeRobot
+    gait: Gait | None
+    run: SpatialRun
+    orbit: Trajectory | None
+
+
+def is_spatial(path: Path) -> bool:
+    """Is a file the run file of a walk in space?"""
+    return path.suffix == ".npz" and archive_format(path) == KIND.format
+
+
+def load_spatial_source(path: Path, robot: str | None) -> SpatialSource:
+    """Robot, gait and walk of a run file for which `is_spatial` holds.
+
+    Args:
+        path: of the run file.
+        robot: name or file of the robot; None: the one that the run names.
+
+    Raises:
+        FrontalBipedError: the robot is not found, or has other joints than the run.
+    """
+    run = load_spatial_run(path)
+    gait = gait_from_dict(dict(run.gait), f"{path}: gait") if "format" in run.gait else None
+    biped = robot_of(gait, robot) if gait is not None else _robot_of_run(path, run.robot, robot)
+    free = FreeRobot(biped.robot)
+    if free.joint_names != run.joint_names:
+        strange = set(free.joint_names) ^ set(run.joint_names)
+        raise FrontalBipedError(
+            f"{path}: the run has {len(run.joint_names)} joints, {free.name} moves {len(free.joint_names)}"
+            f" ({', '.join(sorted(strange)[:4]) or 'in another order'}); name the robot of the run with --robot"
+        )
+    return SpatialSource(free, gait, run, None if gait is None else orbit_trajectory(biped, gait, 1))
 
 
 def watched(path: Path, robot: str | None) -> tuple[FrontalBiped, Trajectory]:

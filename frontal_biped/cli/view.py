@@ -3,11 +3,15 @@
 import argparse
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from frontal_biped.cli.arguments import add_no_open, add_robot, add_source, port
 from frontal_biped.cli.exit_status import SUCCESS
 from frontal_biped.cli.progress import Progress
 from frontal_biped.exceptions import FrontalBipedError
+
+if TYPE_CHECKING:
+    from frontal_biped.viewer.page import Show
 
 SUMMARY = "Watch a gait or a run in the browser: live, or as one self-contained page."
 EXAMPLE = "frontal-biped view gait.json --html page.html"
@@ -31,36 +35,46 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the page, or serve the view until it is interrupted."""
-    from frontal_biped.cli.sources import watched
+    from frontal_biped.cli.sources import is_spatial
     from frontal_biped.files.atomic import require_parent, write_text
-    from frontal_biped.viewer.live import view_live
-    from frontal_biped.viewer.page import animation_page
+    from frontal_biped.viewer.live import serve
+    from frontal_biped.viewer.page import exported_page
 
     if arguments.html is not None:
         require_parent(arguments.html)
     if arguments.overlay and arguments.beside is None:
         raise FrontalBipedError("--overlay: lays a second run over the first; name a second file")
+    show = _spatial(arguments) if is_spatial(arguments.source) else _planar(arguments)
+    if arguments.html is None:
+        serve(show, open_browser=not arguments.no_open, port=arguments.port)
+        return SUCCESS
+    with Progress("drawing the page"):
+        page = exported_page(show)
+    write_text(arguments.html, page)
+    sys.stdout.write(f"{arguments.html}: {arguments.html.stat().st_size / 1e6:.2f} MB, opens in any browser, offline\n")
+    return SUCCESS
+
+
+def _planar(arguments: argparse.Namespace) -> "Show":
+    from frontal_biped.cli.sources import is_spatial, watched
+    from frontal_biped.viewer.page import planar_show
+    from frontal_biped.viewer.scene import cast
+
+    if arguments.beside is not None and is_spatial(arguments.beside):
+        raise FrontalBipedError(f"{arguments.beside}: a walk in space is shown alone; leave out one of the two files")
     biped, run = watched(arguments.source, arguments.robot)
     beside = None if arguments.beside is None else watched(arguments.beside, arguments.robot)
     title = biped.name if beside is None else f"{arguments.source.stem} and {arguments.beside.stem}"
-    if arguments.html is not None:
-        with Progress("drawing the page"):
-            page = animation_page(
-                biped, run, title=title, ghost=arguments.ghost, beside=beside, overlay=arguments.overlay
-            )
-        write_text(arguments.html, page)
-        sys.stdout.write(
-            f"{arguments.html}: {arguments.html.stat().st_size / 1e6:.2f} MB, opens in any browser, offline\n"
-        )
-        return SUCCESS
-    view_live(
-        biped,
-        run,
-        open_browser=not arguments.no_open,
-        title=title,
-        port=arguments.port,
-        ghost=arguments.ghost,
-        beside=beside,
-        overlay=arguments.overlay,
-    )
-    return SUCCESS
+    return planar_show(title, cast(biped, run, ghost=arguments.ghost, beside=beside, overlay=arguments.overlay))
+
+
+def _spatial(arguments: argparse.Namespace) -> "Show":
+    from frontal_biped.cli.sources import load_spatial_source
+    from frontal_biped.viewer.space_page import space_show
+
+    if arguments.beside is not None:
+        raise FrontalBipedError(f"{arguments.source}: a walk in space is shown alone; leave out {arguments.beside}")
+    if arguments.ghost:
+        raise FrontalBipedError(f"{arguments.source}: a walk in space has no desired posture; leave out --ghost")
+    walk = load_spatial_source(arguments.source, arguments.robot)
+    return space_show(walk.robot, walk.run, walk.orbit)

@@ -69,7 +69,7 @@ def marker_size(robot: FreeRobot) -> float:
 def space_camera(robot: FreeRobot) -> dict[str, Any]:
     """Where the camera stands at first, and what it looks at: from ahead on the robot's left, a bit raised [m]."""
     half = 0.5 * ABOVE * highest_body(robot.model, robot.model.createData(), robot.posture)
-    azimuth, away = np.radians(42.0), 3.75 * half
+    azimuth, away = np.radians(42.0), 3.95 * half
     return {
         "position": [away * np.cos(azimuth), away * np.sin(azimuth), 1.8 * half],
         "target": [0.0, 0.0, 0.9 * half],

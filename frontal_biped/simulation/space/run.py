@@ -7,7 +7,7 @@ watched.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -114,6 +114,16 @@ class SpatialRun:
     def post_impact_speeds(self) -> FloatArray:
         """(k,) frontal dbeta right after each landing [rad/s]."""
         return self.event_frontal[self.events("IMPACT"), self.frontal_q.shape[1]]
+
+    def first_steps(self, count: int) -> "SpatialRun":
+        """The part of the run up to the landing that ends step ``count``."""
+        keep, events = self.step < count, self.event_step < count
+        part: dict[str, Any] = {name: getattr(self, name)[keep] for name in SAMPLED}
+        part |= {name: getattr(self, name)[events] for name in ("event_t", "event_step", "event_frontal")}
+        part["event_kind"] = tuple(kind for kind, kept in zip(self.event_kind, events, strict=True) if kept)
+        part["steps_completed"] = min(self.steps_completed, count)
+        part["outcome"] = COMPLETED if count <= self.steps_completed else self.outcome
+        return replace(self, **part)
 
 
 _ARRAYS = tuple(f.name for f in fields(SpatialRun) if f.type is FloatArray)

@@ -66,9 +66,12 @@
     const { position, target, half_width } = about.camera, [wayX, wayY] = way(now());
     const offset = position.map((value, k) => value - target[k]);
     const shown = Math.hypot(...offset) * Math.tan((viewer.camera.fov * Math.PI) / 360) * viewer.camera.aspect;
-    const away = Math.max(1, (1.05 * half_width) / shown);
+    const free = 1 - (about.inset ? at("inset").offsetWidth / Math.max(at("scene").clientWidth, 1) : 0);
+    const away = Math.max(1, (1.05 * half_width) / (free * shown));
     const own = ([x, y, z]) => [x, z, -y]; // the viewer's own frame has y up
-    const centre = [target[0] + wayX, target[1] + wayY, target[2]];
+    // the middle of the picture is that of what the inset leaves free: to its left
+    const aside = ((1 - free) * away * shown) / Math.hypot(offset[0], offset[1]);
+    const centre = [target[0] + wayX - aside * offset[1], target[1] + wayY + aside * offset[0], target[2]];
     viewer.camera.position.set(...own(centre.map((value, k) => value + away * offset[k])));
     viewer.controls.target.set(...own(centre));
     along = [wayX, wayY];
@@ -87,7 +90,7 @@
     viewer.render(); // at once: a canvas of a new size is empty
   };
   window.onload = fit;
-  new ResizeObserver(fit).observe(at("scene"));
+  for (const part of ["scene", "inset"]) new ResizeObserver(fit).observe(at(part));
   window.addEventListener("resize", fit);
   requestAnimationFrame(fit);
 
@@ -180,6 +183,7 @@
     const label = document.createElement("label"), box = document.createElement("input");
     Object.assign(box, { type: "checkbox", checked: true });
     box.dataset.part = "follow";
+    label.className = "follow";
     label.append(box, "camera follows");
     at("toggles").append(label);
     box.addEventListener("change", () => { if (!turned) look(); else if (box.checked) along = way(now()); });
@@ -249,6 +253,7 @@
   if (plotted.length) for (let k = 0; k < (about.rows ?? 4); k++) plots.push(new Plot(at("plots"), about, plotted, k, hooks));
   document.body.classList.toggle("bare", !plots.length);
   at("inset").hidden = !about.inset;
+  document.body.classList.toggle("spatial", Boolean(about.inset));
   if (about.inset) plots.push(new Plot(at("inset"), about, plotted, about.panels.findIndex((panel) => panel.key === about.inset), hooks));
   if (about.duration > 8) span.value = "4";
   span.addEventListener("change", () => plots.forEach((plot) => plot.draw()));

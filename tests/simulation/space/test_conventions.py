@@ -20,11 +20,10 @@ from frontal_biped.simulation.space.conventions import (
 ROUNDING = 1e-12
 """Of sums of a few products, and of lengths and speeds of a few metres and radians [m, m/s, rad/s]."""
 
-CONTINUOUS = """<robot name="wheel">
-<link name="base">
-<inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<link name="b"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+INERTIAL = """<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>"""
+
+CONTINUOUS = f"""<robot name="wheel">
+<link name="base">{INERTIAL}</link><link name="b">{INERTIAL}</link><link name="a">{INERTIAL}</link>
 <link name="tip"/>
 <joint name="z_wheel" type="continuous"><parent link="base"/><child link="b"/><axis xyz="0 1 0"/></joint>
 <joint name="fixed" type="fixed"><parent link="b"/><child link="tip"/></joint>
