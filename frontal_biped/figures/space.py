@@ -50,7 +50,7 @@ SPACE_FIGURES: dict[str, str] = {
 FOOT_LOOKS = {Stance.LEFT: (BLUE, "-"), Stance.RIGHT: (VERMILION, "--")}
 
 LONG_WAY = 12
-"""Steps of a longer way are drawn at its start and its end only: all of them would be too small to be seen."""
+"""Of more than twice as many steps the first and the last of these are drawn: all would be too small to be seen."""
 
 NARROW = 0.05
 """Of the closed form's speed, shown at least on either side of it."""
@@ -71,7 +71,7 @@ def footsteps_figure(robot: FreeRobot, run: SpatialRun) -> "Figure":
         Y over x [m], at equal scales; of a long walk its first and its last steps in two panels.
     """
     steps = footsteps(run)
-    parts = [steps] if len(steps) <= LONG_WAY + 1 else [steps[: LONG_WAY + 1], steps[-LONG_WAY - 1 :]]
+    parts = [steps] if len(steps) <= 2 * LONG_WAY + 1 else [steps[: LONG_WAY + 1], steps[-LONG_WAY - 1 :]]
     views = [_view(robot, part) for part in parts]
     width = 0.8 * COLUMN
     heights = [min(3.4, width * (high[1] - low[1]) / (high[0] - low[0])) for low, high in views]
@@ -127,7 +127,8 @@ def pressure_figure(robot: FreeRobot, run: SpatialRun) -> "Figure":
         margin = 0.15 * 1e3 * sole.length
         ax.set_ylim(outline[:, 0].min() - margin, outline[:, 0].max() + margin)
         ax.set_xlim(outline[:, 1].max() + margin, outline[:, 1].min() - margin)  # left is on the left
-        ax.set_xlabel("y, to the left [mm]\n" + _distance_to_edge(sole, pressure[own, i], run.wrench[own, i, 2]))
+        edge = _distance_to_edge(sole, pressure[own, i], run.wrench[own, i, 2] / robot.weight)
+        ax.set_xlabel(f"y, to the left [mm]\n{edge}")
         ax.set_title(f"{foot.value} foot")
         ax.locator_params(axis="x", nbins=4)
     axes[0].set_ylabel("x, ahead of the ankle [mm]")
@@ -165,9 +166,11 @@ def frontal_state_figure(run: SpatialRun, gait: Gait | None = None, orbit: Traje
         beta, dbeta = run.frontal_q[span.samples, 0], run.frontal_dq[span.samples, 0]
         upper.plot(beta, dbeta, color=colour, linestyle=style, linewidth=0.8, label=name)
     upper.axhline(0.0, color=BLACK, linewidth=0.8)
+    if orbit is not None:
+        _stay_near(upper, orbit.q[:, 0], orbit.dq[:, 0])
     upper.set_xlabel(BETA_LABEL)
     upper.set_ylabel(r"$\dot\beta$ [rad/s]")
-    legend_above(upper, 3)
+    legend_above(upper, 2)
 
     table = step_table(run, mid_fall)
     lower.plot(table.step + 1, table.mid_fall_speed, "o", color=BLUE, markersize=3.0, linestyle="none", label="steps")
@@ -243,7 +246,8 @@ def joint_limits_figure(robot: FreeRobot, run: SpatialRun) -> "Figure":
     ax.set_xlim(left=-2.0, right=1.05 * max(100.0, *(float(values.max(initial=0.0)) for values in worst)))
     ax.set_xlabel("largest share of the limit [%]")
     ax.set_ylabel("joint [-]")
-    legend_above(ax, 3)
+    handles, labels = ax.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper right", ncols=3)  # names leave no room above the axes
     return figure
 
 
@@ -299,6 +303,13 @@ def write_space_figures(
     return written
 
 
+def _stay_near(ax: "Axes", x: FloatArray, y: FloatArray) -> None:
+    """Show of a robot that falls what is near the closed form: elsewhere there is nothing to compare with."""
+    for values, limits, limit in ((x, ax.get_xlim(), ax.set_xlim), (y, ax.get_ylim(), ax.set_ylim)):
+        low, high, span = float(values.min()), float(values.max()), float(np.ptp(values))
+        limit(max(limits[0], low - span), min(limits[1], high + span))
+
+
 def _view(robot: FreeRobot, steps: list[Footstep]) -> tuple[FloatArray, FloatArray]:
     """Lower left and upper right corner that show some footsteps [m]."""
     corners = np.concatenate([_corners(robot, step) for step in steps])
@@ -330,11 +341,12 @@ def _closed(corners: FloatArray) -> FloatArray:
 
 
 def _distance_to_edge(sole: FootSole, pressure: FloatArray, load: FloatArray) -> str:
-    """The least distance to an edge while the foot carries at least half of what it ever does, in words."""
-    full = load >= 0.5 * load.max(initial=0.0)
+    """How far inside the sole the CoP is while the foot carries at least half the weight, in words."""
+    full = load >= 0.5
     if not full.any():
         return ""
     x, y = pressure[full].T
     low, high = (1e3 * end for end in (sole.corners.min(axis=0), sole.corners.max(axis=0)))
-    nearest = float(np.min([x - low[0], high[0] - x, y - low[1], high[1] - y]))
-    return f"{nearest:.0f} mm inside" if nearest >= 0.0 else f"{-nearest:.0f} mm outside"
+    inside = np.min([x - low[0], high[0] - x, y - low[1], high[1] - y], axis=0)
+    most = round(float(np.quantile(inside, 0.01)))
+    return f"99 %: {abs(most)} mm {'in' if most >= 0 else 'out'}side"

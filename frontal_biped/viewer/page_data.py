@@ -146,7 +146,8 @@ def event_marks(run: Trajectory | SpatialRun) -> list[dict[str, Any]]:
 def _pushes(run: Trajectory) -> list[dict[str, float]]:
     """Pushes as the run's settings tell them; none where they do not."""
     found = []
-    for start, push in told_pushes(run):
+    disturbances = run.settings.get("disturbances", {})
+    for start, push in told_pushes(run, disturbances.get("pushes") if isinstance(disturbances, Mapping) else None):
         try:
             found.append({"start": start, "duration": float(push["duration"]), "impulse": float(push["impulse"])})
         except (KeyError, TypeError, ValueError):
@@ -154,11 +155,14 @@ def _pushes(run: Trajectory) -> list[dict[str, float]]:
     return found
 
 
-def told_pushes(run: Trajectory | SpatialRun) -> Iterator[tuple[float, Mapping[str, Any]]]:
-    """Start from the first sample [s] and the rest of what a run's settings tell of each push that began in it."""
-    disturbances = run.settings.get("disturbances", {})
-    pushes = disturbances.get("pushes", []) if isinstance(disturbances, Mapping) else []
-    for push in pushes:
+def told_pushes(run: Trajectory | SpatialRun, pushes: Any) -> Iterator[tuple[float, Mapping[str, Any]]]:
+    """Start from the first sample [s] of each push that began in a run, and the rest of what is told of it.
+
+    Args:
+        run: the run.
+        pushes: as its settings tell them; anything but a list of tables is passed over.
+    """
+    for push in pushes if isinstance(pushes, list) else []:
         try:
             start = float(push["start"])
         except (KeyError, TypeError, ValueError):

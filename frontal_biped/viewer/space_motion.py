@@ -64,7 +64,7 @@ class ShownPush(NamedTuple):
 def spatial_pushes(robot: FreeRobot, run: SpatialRun) -> list[ShownPush]:
     """Pushes that the run's settings tell; those that are not told fully are left out."""
     found = []
-    for start, told in told_pushes(run):
+    for start, told in told_pushes(run, run.settings.get("pushes")):
         try:
             link = str(told.get("link") or "")
             impulse, point = (np.asarray(told.get(key, np.zeros(3)), dtype=float) for key in ("impulse", "point"))

@@ -30,7 +30,7 @@ PITCH, METRE = 0.5, 1.0
 TRIANGLES = 10
 """Of one footstep: two inside, eight along its edge."""
 
-PUSH_LENGTH = 0.3
+PUSH_LENGTH = 0.35
 """Length of a push's arrow, over the robot's height."""
 
 
@@ -205,10 +205,10 @@ def _draw_push(node: Any, robot: FreeRobot) -> None:
     import meshcat.geometry as mg
 
     length = PUSH_LENGTH * ABOVE * highest_body(robot.model, robot.model.createData(), robot.posture)
-    material = mg.MeshBasicMaterial(color=COLOURS["push"])
-    node["shaft"].set_object(mg.Cylinder(0.7 * length, 0.05 * length), material)
+    material = overlay("push", opacity=0.85)
+    node["shaft"].set_object(mg.Cylinder(0.7 * length, 0.028 * length), material)
     node["shaft"].set_transform(at(0.0, -0.65 * length, 0.0))
-    head = mg.Cylinder(0.3 * length, radiusTop=0.0, radiusBottom=0.12 * length)
+    head = mg.Cylinder(0.3 * length, radiusTop=0.0, radiusBottom=0.075 * length)
     node["head"].set_object(head, material)
     node["head"].set_transform(at(0.0, -0.15 * length, 0.0))
 

@@ -138,6 +138,7 @@ class Plot {
       }
     }
     if (!(high.y >= low.y)) Object.assign(low, { x: 0, y: 0 }), Object.assign(high, { x: 1, y: 1 });
+    this.nearTheory(low, high);
     const room = high.y - low.y;
     this.distant = []; // limits too far away to be worth the room
     for (const limit of this.runs[0].limits[panel.key] || []) {
@@ -162,6 +163,16 @@ class Plot {
     this.x = (value) => Math.round(10 * (MARGIN.left + (value - low.x) * across)) / 10;
     this.y = (value) => Math.round(10 * (height - MARGIN.bottom - (value - low.y) * up)) / 10;
     Object.assign(this, { low, high, scale: { x: across, y: up } });
+  }
+
+  // Of a robot that falls the plane shows what is near the closed form: elsewhere there is nothing to compare.
+  nearTheory(low, high) {
+    if (!this.reference || this.overTime) return;
+    for (const axis of ["x", "y"]) {
+      const values = this.reference[axis].filter((value) => value !== null), [least, most] = [Math.min(...values), Math.max(...values)];
+      low[axis] = Math.max(low[axis], least - (most - least));
+      high[axis] = Math.min(high[axis], most + (most - least));
+    }
   }
 
   // Rising phases shaded, impacts ruled, pushes coloured: of the first run.
@@ -287,7 +298,12 @@ class Plot {
       if (!pointer) return;
       const data = this.runs[k].data, own = Math.min(time, data.t[data.count - 1]);
       if (this.overTime) pointer.style.transform = `translateX(${this.x(time) - 1}px)`;
-      else pointer.style.transform = `translate(${this.x(valueAt(data, this.panel.x, own))}px,${this.y(valueAt(data, this.panel.lines[0].y, own))}px)`;
+      else {
+        const { clientWidth, clientHeight } = this.field;
+        const x = Math.min(Math.max(this.x(valueAt(data, this.panel.x, own)), MARGIN.left), clientWidth - MARGIN.right);
+        const y = Math.min(Math.max(this.y(valueAt(data, this.panel.lines[0].y, own)), MARGIN.top), clientHeight - MARGIN.bottom);
+        pointer.style.transform = `translate(${x}px,${y}px)`;
+      }
     });
     if (!say) return;
     const data = this.runs[0].data, digits = this.panel.digits ?? (this.panel.ylabel.includes("rad") && !this.panel.ylabel.includes("m") ? 3 : 1);
