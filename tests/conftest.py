@@ -51,6 +51,11 @@ Each claim, how it is held, what was measured, and the tests that hold it:
 * The page, four robots, in headless Chromium with mouse and keyboard: no request, no console message; play, pause,
   slider, marks, every toggle, cursors, dragging in plots, speed, keys; feet on the ground.
   viewer/test_page_in_browser.py
+* The page of a walk in space, two robots, in headless Chromium: every link within 2e-5 m of Pinocchio's forward
+  kinematics; markers, footsteps, camera, toggles, plots; no request, no console message.
+  viewer/test_space_page_in_browser.py
+* Walks in space exported for Pinocchio and MuJoCo: there and back, and both engines, each reading the URDF itself, have
+  every link at one place and speed, five robots; 1e-12. simulation/space/test_conventions.py
 * The live viewer: ended by Ctrl+C, SIGTERM, SIGKILL, with browsers open, vanished and stalled; no process left, port
   free. viewer/test_live.py
 * Figures: width, size and overlap of all letters; 3.5 in, 8 pt, none. figures/test_figures.py

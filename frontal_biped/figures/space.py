@@ -197,7 +197,7 @@ def frontal_state_figure(run: SpatialRun, gait: Gait | None = None, orbit: Traje
 
 @styled
 def speed_figure(run: SpatialRun) -> "Figure":
-    """Forward speed of the centre of mass, its mean over each step, and the command.
+    """Mean forward speed of each step and the command, of a walk of few steps that of the centre of mass as well.
 
     Args:
         run: the walk.
@@ -209,7 +209,8 @@ def speed_figure(run: SpatialRun) -> "Figure":
     ax = figure.add_subplot()
     t, table = run.t - run.t[0], step_table(run)
     forwards = run.com_velocity[:, 0] * np.cos(run.yaw) + run.com_velocity[:, 1] * np.sin(run.yaw)
-    ax.plot(t, forwards, color=PALE, linewidth=0.9, label="centre of mass")
+    if len(table.step) <= 2 * LONG_WAY:  # of more it would be a band
+        ax.plot(t, forwards, color=PALE, linewidth=0.9, label="centre of mass")
     ax.plot(t, run.speed_target, color=BLACK, linestyle="--", linewidth=1.2, label="command")
     if len(table.step):
         edges = np.append(table.start, table.start[-1] + table.duration[-1]) - run.t[0]

@@ -13,15 +13,22 @@ Table I robot, 2 to 4 MB with the meshes of a humanoid):
   the desired posture. Any run file will do, pushed, fallen or from another simulator; also of two robots;
 * light and dark; keys: space, left, right, shift with left or right from event to event, Home, End, -, +.
 
+Of a walk in space the page shows the whole robot from any side (3.5 MB for TALOS, 6.4 MB of 200 steps): drag to turn
+it, the camera goes along. Both soles' forces stand at their centres of pressure, with the yaw moment as an arc;
+footsteps stay on the ground, the planned foothold is dashed, pushes are red. Beside it the frontal phase portrait runs
+along its closed form; plots of speed, pressure and the largest shares of the joints' limits below.
+
 Without ``--html`` the same page is served live at the address that is printed, on this machine only (from another one:
 ``ssh -L 7000:127.0.0.1:7000``), until Ctrl+C or SIGTERM. The server is a thread of the command: nothing outlives it.
 """
 
 from frontal_biped.viewer.live import LiveViewer, view_live
 from frontal_biped.viewer.page import animation_page
+from frontal_biped.viewer.space_page import space_page
 
 __all__ = [
     "LiveViewer",
     "animation_page",
+    "space_page",
     "view_live",
 ]

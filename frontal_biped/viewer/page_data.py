@@ -223,9 +223,9 @@ def samples(biped: FrontalBiped, trajectory: Trajectory) -> dict[str, Any]:
     }
 
 
-def thinned(trajectory: Phased) -> tuple[np.ndarray[Any, np.dtype[np.intp]], list[int]]:
-    """Indices of at most about `MOST_SAMPLES` samples, both ends of every phase among them, and where phases begin."""
-    share = min(1.0, MOST_SAMPLES / len(trajectory.t))
+def thinned(trajectory: Phased, most: int = MOST_SAMPLES) -> tuple[np.ndarray[Any, np.dtype[np.intp]], list[int]]:
+    """Indices of at most about so many samples, both ends of every phase among them, and where phases begin."""
+    share = min(1.0, most / len(trajectory.t))
     kept: list[np.ndarray[Any, np.dtype[np.intp]]] = []
     breaks: list[int] = []
     for span in phase_spans(trajectory):

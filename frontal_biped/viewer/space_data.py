@@ -31,6 +31,9 @@ from frontal_biped.viewer.space_scene import (
     space_camera,
 )
 
+MOST_SAMPLES = 8000
+"""In the plots; of 200 steps some forty each."""
+
 LEGS = ("left leg", "right leg", "other joints")
 
 SPACE_PANELS: tuple[dict[str, Any], ...] = (
@@ -131,7 +134,7 @@ def space_samples(robot: FreeRobot, run: SpatialRun) -> dict[str, Any]:
     Returns:
         "count", "breaks" (index of the first sample of each phase) and "channels".
     """
-    kept, breaks = thinned(run)
+    kept, breaks = thinned(run, MOST_SAMPLES)
     channels: dict[str, FloatArray] = {"t": run.t - run.t[0]}
     channels |= {f"q{i + 1}": run.frontal_q[:, i] for i in range(4)}
     channels["v1"] = run.frontal_dq[:, 0]

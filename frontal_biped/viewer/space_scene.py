@@ -72,7 +72,7 @@ def space_camera(robot: FreeRobot) -> dict[str, Any]:
     azimuth, away = np.radians(42.0), 3.95 * half
     return {
         "position": [away * np.cos(azimuth), away * np.sin(azimuth), 1.8 * half],
-        "target": [0.0, 0.0, 0.9 * half],
+        "target": [0.0, 0.0, 0.95 * half],
         "half_width": 1.1 * half,
     }
 

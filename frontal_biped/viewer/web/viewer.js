@@ -38,7 +38,7 @@
   }
   if (live) viewer.connect("ws://" + location.host + "/");
 
-  // The camera goes along with a robot that goes somewhere, and so does the light that casts its shadow.
+  // The camera goes along with a robot that goes somewhere, and so does the light.
   const leader = about.follow && runs[0].motion ? unpack(runs[0].motion) : null;
   const way = (time) => (leader && following() ? ["way_x", "way_y"].map((name) => valueAt(leader, name, time)) : [0, 0]);
   const following = () => { const box = document.querySelector("[data-part=follow]"); return !box || box.checked; };
@@ -52,13 +52,17 @@
     lead(x, y);
   };
   const lead = (x, y) => {
-    const light = node("Lights", "SpotLight", "<object>");
-    lamp = lamp || light.position.clone();
-    light.position.set(lamp.x + x, lamp.y + y, lamp.z);
-    light.target.position.set(x, 0, -y);
-    light.target.updateMatrixWorld();
+    // those that stand somewhere; what shines in one direction does so everywhere
+    for (const { object } of Object.values(viewer.scene_tree.find(["Lights"]).children)) {
+      object.traverse((light) => {
+        if (!light.isPointLight && !light.isSpotLight) return;
+        object.position.set(x, y, 0);
+        if (!light.target) return;
+        light.target.position.set(x, 0, -y); // it is in no scene, and has the viewer's own axes
+        light.target.updateMatrixWorld();
+      });
+    }
   };
-  let lamp = null;
 
   // far enough away for everything to be seen, however narrow the window
   const look = () => {
@@ -66,12 +70,13 @@
     const { position, target, half_width } = about.camera, [wayX, wayY] = way(now());
     const offset = position.map((value, k) => value - target[k]);
     const shown = Math.hypot(...offset) * Math.tan((viewer.camera.fov * Math.PI) / 360) * viewer.camera.aspect;
-    const free = 1 - (about.inset ? at("inset").offsetWidth / Math.max(at("scene").clientWidth, 1) : 0);
-    const away = Math.max(1, (1.05 * half_width) / (free * shown));
+    const taken = (part, size, whole) => (about.inset ? at(part)[size] / Math.max(at("scene")[whole], 1) : 0);
+    const free = 1 - taken("inset", "offsetWidth", "clientWidth"), above = 1 - taken("toggles", "offsetHeight", "clientHeight");
+    const away = Math.max(1 / above, (1.05 * half_width) / (free * shown));
     const own = ([x, y, z]) => [x, z, -y]; // the viewer's own frame has y up
-    // the middle of the picture is that of what the inset leaves free: to its left
-    const aside = ((1 - free) * away * shown) / Math.hypot(offset[0], offset[1]);
-    const centre = [target[0] + wayX - aside * offset[1], target[1] + wayY + aside * offset[0], target[2]];
+    // the middle of the picture is that of what is left free: beside the inset, above the boxes to tick
+    const aside = ((1 - free) * away * shown) / Math.hypot(offset[0], offset[1]), down = ((1 - above) * away * shown) / viewer.camera.aspect;
+    const centre = [target[0] + wayX - aside * offset[1], target[1] + wayY + aside * offset[0], target[2] - down];
     viewer.camera.position.set(...own(centre.map((value, k) => value + away * offset[k])));
     viewer.controls.target.set(...own(centre));
     along = [wayX, wayY];
