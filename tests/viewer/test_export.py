@@ -109,7 +109,7 @@ def test_command_writes_a_table(run_file, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [
-        (["-o", "run.mp4"], ".csv, .gif, .png, .html"),
+        (["-o", "run.mp4"], ".csv, .npz, .gif, .png, .html"),
         (["-o", "run.png", "--time", "99"], "choose a time within it"),
         (["-o", "run.png", "--size", "big"], "1280x800"),
         (["-o", "run.csv", "--coordinates", "joint"], "urdf"),
