@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from frontal_biped.scenarios.monte_carlo import run_trials
     from frontal_biped.scenarios.run import TrialResult, run_scenario
     from frontal_biped.scenarios.scenario import Scenario
+    from frontal_biped.simulation.space.run import SpatialRun, load_spatial_run, save_spatial_run
+    from frontal_biped.simulation.space.walk_spatial import walk_spatial
     from frontal_biped.simulation.trajectory import Trajectory, load_trajectory, save_trajectory
     from frontal_biped.simulation.walking import simulate
 
@@ -48,6 +50,7 @@ __all__ = [
     "GaitAnalysis",
     "GaitSpecification",
     "Scenario",
+    "SpatialRun",
     "Trajectory",
     "TrialResult",
     "__version__",
@@ -56,14 +59,17 @@ __all__ = [
     "load_gait",
     "load_robot",
     "load_scenario",
+    "load_spatial_run",
     "load_trajectory",
     "read_specification",
     "robot_names",
     "run_scenario",
     "run_trials",
     "save_gait",
+    "save_spatial_run",
     "save_trajectory",
     "simulate",
+    "walk_spatial",
 ]
 
 _HOME = {
@@ -73,6 +79,7 @@ _HOME = {
     "GaitAnalysis": "analysis",
     "GaitSpecification": "gait",
     "Scenario": "scenarios",
+    "SpatialRun": "simulation.space",
     "Trajectory": "simulation",
     "TrialResult": "scenarios",
     "analyze": "analysis",
@@ -80,14 +87,17 @@ _HOME = {
     "load_gait": "gait",
     "load_robot": "model",
     "load_scenario": "scenarios",
+    "load_spatial_run": "simulation.space",
     "load_trajectory": "simulation",
     "read_specification": "gait",
     "robot_names": "model",
     "run_scenario": "scenarios",
     "run_trials": "scenarios",
     "save_gait": "gait",
+    "save_spatial_run": "simulation.space",
     "save_trajectory": "simulation",
     "simulate": "simulation",
+    "walk_spatial": "simulation.space",
 }
 
 

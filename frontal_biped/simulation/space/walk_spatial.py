@@ -1,0 +1,75 @@
+"""Walk a planar gait in space, in one call: robot and gait in, run out."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from frontal_biped.control.spatial_walker.walker import SpatialWalker
+from frontal_biped.gait.gait import Gait
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.robot import Robot
+from frontal_biped.model.space.errors import SpatialErrors
+from frontal_biped.model.space.free_robot import FreeRobot
+from frontal_biped.model.stance_map import Stance
+from frontal_biped.simulation.disturbances import Disturbances
+from frontal_biped.simulation.space.pushes import SpatialPush
+from frontal_biped.simulation.space.run import SpatialRun
+from frontal_biped.simulation.space.settings import SpatialSettings, SpeedChange
+from frontal_biped.simulation.space.start import start_in_space
+from frontal_biped.simulation.space.walking import walk_in_space
+
+
+def walk_spatial(
+    robot: Robot | FrontalBiped,
+    gait: Gait,
+    *,
+    speed: float = 0.0,
+    steps: int = 20,
+    commands: tuple[SpeedChange, ...] = (),
+    pushes: tuple[SpatialPush, ...] = (),
+    disturbances: Disturbances | None = None,
+    errors: SpatialErrors | None = None,
+    settings: SpatialSettings | None = None,
+    walker: SpatialWalker | None = None,
+    stance: Stance = Stance.LEFT,
+    on_step: Callable[[int], None] | None = None,
+    content: Mapping[str, Any] | None = None,
+) -> SpatialRun:
+    """Walk a gait with every joint free, in MuJoCo, under a `SpatialWalker` that sees sensor readings only.
+
+    The walk starts right after an impact of the gait, feet side by side, on the spot; the speed is approached from the
+    first step on, by what one step may change it.
+
+    Args:
+        robot: the whole robot, or its view from the front.
+        gait: the planar gait to walk.
+        speed: forwards [m/s].
+        steps: landings after which to stop.
+        commands: later changes of speed.
+        pushes: on any link.
+        disturbances: noise, delay, ground and friction; the walker knows the delay.
+        errors: of MuJoCo's bodies; the walker does not know them.
+        settings: of the walk, in place of steps, commands, pushes and disturbances.
+        walker: in place of one made here.
+        stance: the first stance foot.
+        on_step: called with the number of completed steps.
+        content: of the gait file, to be kept with the run.
+
+    Returns:
+        The run; a fall is an outcome, not an error.
+
+    Raises:
+        MissingExtraError: MuJoCo is not installed.
+        RobotError: a leg has not six joints, or a joint more than one freedom.
+        SimulationError: the legs do not reach the start of the gait, or a setting that makes no walk.
+        HypothesisError: the robot is no frontal biped (HR1 to HR5).
+    """
+    biped = robot if isinstance(robot, FrontalBiped) else FrontalBiped(robot)
+    free = FreeRobot(biped.robot)
+    chosen = settings or SpatialSettings(
+        steps=steps, disturbances=disturbances or Disturbances(), pushes=pushes, commands=commands
+    )
+    used = walker or SpatialWalker(
+        free, biped, gait, period=chosen.period, speed=speed, delay=chosen.disturbances.delay
+    )
+    start = start_in_space(free, biped, gait.state_after_impact(), stance)
+    return walk_in_space(free, used, start, chosen, stance=stance, errors=errors, on_step=on_step, gait=content)
