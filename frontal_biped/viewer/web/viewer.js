@@ -278,6 +278,7 @@
         return exists(...whole) ? node(...whole) : null;
       }));
       shade(); paint(); choose(); pace();
+      if (!turned) look(); // what comes by web socket has told the field of view by now
       last = -1;
     }
     const time = now(), label = animator().playing ? "Pause" : "Play";
