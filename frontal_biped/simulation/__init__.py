@@ -6,6 +6,10 @@ from frontal_biped.simulation.hybrid_system import EventKind
 from frontal_biped.simulation.orbit import orbit_trajectory
 from frontal_biped.simulation.pushes import Push
 from frontal_biped.simulation.settings import SimulationSettings
+from frontal_biped.simulation.space.pushes import SpatialPush
+from frontal_biped.simulation.space.run import SpatialRun, load_spatial_run, save_spatial_run
+from frontal_biped.simulation.space.settings import SpatialSettings, SpeedChange
+from frontal_biped.simulation.space.walk_spatial import walk_spatial
 from frontal_biped.simulation.trajectory import Trajectory, load_trajectory, save_trajectory
 from frontal_biped.simulation.walking import simulate
 from frontal_biped.simulation.world import world_configurations, world_motion
@@ -15,12 +19,19 @@ __all__ = [
     "EventKind",
     "Push",
     "SimulationSettings",
+    "SpatialPush",
+    "SpatialRun",
+    "SpatialSettings",
+    "SpeedChange",
     "Trajectory",
+    "load_spatial_run",
     "load_trajectory",
     "orbit_trajectory",
+    "save_spatial_run",
     "save_trajectory",
     "simulate",
     "simulate_walk",
+    "walk_spatial",
     "world_configurations",
     "world_motion",
 ]
