@@ -1,11 +1,14 @@
 r"""When the swing foot lands, from the frontal zero dynamics in closed form.
 
-On the orbit :math:`\tfrac12 \dot\beta^2 = E(\beta)` in both phases. With an energy e more than that the time left is
+On the orbit :math:`\tfrac12 \dot\beta^2 = E(\beta)` in both phases. A robot whose energy is e more than that is brought
+back to the orbit by the energy law, so that the time left is
 
-.. math:: t = \int \frac{d\beta}{\sqrt{2 (E(\beta) + e)}}
+.. math:: t = \int \frac{d\beta}{\sqrt{2 (E(\beta) + e(\beta))}},
 
-over what is left of the falling phase, and while rising over the way to the reversal, where E + e vanishes, besides.
-E is tabulated and linear between the points, where the acceleration is constant and every piece exact.
+e going linearly from what it is here to nothing at the end of the phase, reversal or landing; while rising, the falling
+phase comes on top. A robot that rises too slowly is not taken to need more than `LONGEST` times as long as the orbit,
+for it turns before. E is tabulated and linear between the points; beyond the orbit's reversal the acceleration is that
+at the reversal.
 """
 
 import numpy as np
@@ -16,6 +19,13 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 POINTS = 65
+"""Of the table of a phase."""
+
+LONGEST = 1.25
+"""Times the orbit's, the longest that the rest of a rising phase is taken to last [-]."""
+
+SLOWEST = 1e-6
+"""Rate below which a piece of a path is left out: the robot has turned there [rad/s]."""
 
 
 class LandingTime:
@@ -33,37 +43,40 @@ class LandingTime:
         step = gait.step(biped)
         self.duration = float(step.duration)
         rising, falling = step.rising, step.falling
-        self._rising = _path(rising.beta, rising.dbeta)
-        self._falling = _path(falling.beta, falling.dbeta)
-        self._fall_time = _time(*self._falling, 0.0)
-        # a robot that rises more than the orbit goes on as the orbit's last piece decelerates
+        self._rising = _path(rising.beta, rising.dbeta, upwards=True)
+        self._falling = _path(falling.beta, falling.dbeta, upwards=False)
         beta, energy = self._rising
-        self._beyond = float((energy[-1] - energy[-2]) / (beta[-1] - beta[-2]))
+        self._slowing = abs(float((energy[-1] - energy[-2]) / (beta[-1] - beta[-2])))
 
     def left(self, phase: StepPhase, beta: float, dbeta: float) -> float:
         """Time left [s] at a frontal state; at least zero."""
         if phase is StepPhase.FALLING:
-            grid, energy = self._falling
-            excess = 0.5 * dbeta**2 - float(np.interp(beta, grid[::-1], energy[::-1]))
-            return _time(*_rest(grid, energy, beta), excess)
+            return self._falling_time(beta, dbeta)
         grid, energy = self._rising
+        slowing, beyond = self._slowing, beta - float(grid[-1])
+        if beyond >= 0.0:
+            highest = beta + 0.5 * dbeta**2 / slowing
+            return max(dbeta, 0.0) / slowing + self._falling_time(highest, 0.0)
         excess = 0.5 * dbeta**2 - float(np.interp(beta, grid, energy))
-        if beta >= grid[-1]:
-            return self._fall_time + max(dbeta, 0.0) / abs(self._beyond)
-        grid, energy = _rest(grid, energy, beta)
-        left = _time(grid, energy, excess)
-        at_end = float(energy[-1]) + excess
-        if at_end > 0.0:
-            left += float(np.sqrt(2.0 * at_end)) / abs(self._beyond)
-        return left + self._fall_time
+        rest = _rest(grid, energy, beta)
+        return min(_time(*rest, excess), LONGEST * _time(*rest, 0.0)) + self._falling_time(float(grid[-1]), 0.0)
+
+    def _falling_time(self, beta: float, dbeta: float) -> float:
+        grid, energy = self._falling
+        slowing = self._slowing
+        # from beyond the orbit's reversal it comes back to it
+        speed = float(np.sqrt(dbeta**2 + 2.0 * slowing * max(beta - float(grid[0]), 0.0)))
+        late = (speed - abs(dbeta)) / slowing
+        excess = 0.5 * speed**2 - float(np.interp(beta, grid[::-1], energy[::-1]))
+        return late + _time(*_rest(grid, energy, beta), excess)
 
 
-def _path(beta: FloatArray, dbeta: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Points of a phase in the order of the motion, and dbeta^2/2 there."""
+def _path(beta: FloatArray, dbeta: FloatArray, upwards: bool) -> tuple[FloatArray, FloatArray]:
+    """Points of a phase in the order of the motion, and dbeta^2/2 there; orbits are kept from the reversal on."""
     order = np.argsort(beta)
     grid = np.linspace(float(beta.min()), float(beta.max()), POINTS)
     energy = np.interp(grid, beta[order], 0.5 * dbeta[order] ** 2)
-    return (grid, energy) if beta[-1] > beta[0] else (grid[::-1], energy[::-1])
+    return (grid, energy) if upwards else (grid[::-1], energy[::-1])
 
 
 def _rest(grid: FloatArray, energy: FloatArray, beta: float) -> tuple[FloatArray, FloatArray]:
@@ -80,9 +93,11 @@ def _rest(grid: FloatArray, energy: FloatArray, beta: float) -> tuple[FloatArray
 
 
 def _time(grid: FloatArray, energy: FloatArray, excess: float) -> float:
-    if len(grid) < 2:
+    """Time along what is left of a path, an excess of energy at its start dying out towards its end [s]."""
+    if len(grid) < 2 or grid[-1] == grid[0]:
         return 0.0
-    speed = np.sqrt(2.0 * np.maximum(energy + excess, 0.0))
+    share = (grid[-1] - grid) / (grid[-1] - grid[0])
+    speed = np.sqrt(2.0 * np.maximum(energy + excess * share, 0.0))
     mean = 0.5 * (speed[1:] + speed[:-1])
-    moving = mean > 1e-9  # where the energy is spent the robot has turned
+    moving = mean > SLOWEST
     return float(np.sum(np.abs(np.diff(grid))[moving] / mean[moving]))
