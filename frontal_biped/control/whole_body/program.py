@@ -79,7 +79,7 @@ class WholeBodyProgram:
         self._floor = np.zeros(CONTACT)
         self._floor[LOADED] = settings.min_normal_force * free.weight
 
-        worth = weights(self.rows, settings)
+        worth = weights(self.rows)
         worth[[FRI, COP]] /= free.weight * LEVER
         self._weight = worth
         self._motions = MotionSolver(self.rows, worth, STANDING)

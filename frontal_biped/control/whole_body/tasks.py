@@ -92,7 +92,15 @@ class TaskRows:
         self._nv = nv
 
     def write(self, state: SpaceState, targets: WholeBodyTargets) -> Rows:
-        """The rows at a state; the arrays are overwritten by the next call."""
+        """The rows at a state; the arrays are overwritten by the next call.
+
+        Rows of nature are in N and N m (base), then m/s^2 and rad/s^2 (stance foot); what is asked for in rad/s^2 and
+        m/s^2 but for the FRI and the centre of pressure, in N m.
+
+        Args:
+            state: where they are written.
+            targets: what is asked for there.
+        """
         s, A, b, nv = self.settings, self._A, self._b, self._nv
         soft = targets.softness
         stance, swing = targets.stance, targets.stance.other
@@ -137,8 +145,11 @@ def _held(frequency: float, softness: float, error: FloatArray, rate: FloatArray
     return -softness * (frequency**2 * error + 2.0 * frequency * rate)
 
 
-def weights(rows: TaskRows, settings: WholeBodySettings) -> FloatArray:
-    """(12 + outside,) what a unit of each asked-for row is worth, when not all can be had [-]."""
+def weights(rows: TaskRows) -> FloatArray:
+    """(12 + outside,) what a unit of each asked-for row is worth, where not all can be had [-].
+
+    The unit is 1 rad/s^2 or 1 m/s^2; of the two rows of the wrench 1 N m, which the program scales to the robot.
+    """
     worth = np.full(LEGS + len(rows.outside), 0.01)
     worth[OUTPUTS] = worth[LENGTHS] = worth[FRI] = 1.0
     worth[COP], worth[PELVIS], worth[SWING], worth[FOOT] = 0.5, 0.3, 0.3, 0.3

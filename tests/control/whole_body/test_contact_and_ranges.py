@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from whole_robots import whole
 
 from frontal_biped.control.whole_body.limits import CONTACT, LOADED, MotionLimits, contact_rows
 from frontal_biped.control.whole_body.settings import WholeBodySettings
@@ -22,8 +23,13 @@ ROBOTS = ("talos_full", "g1_bent", "simple_humanoid_bent")
 
 
 @pytest.fixture(scope="module", params=ROBOTS)
-def robot(request, whole):
+def robot(request):
     return whole(request.param)
+
+
+@pytest.fixture(scope="module")
+def talos():
+    return whole("talos_full")
 
 
 def sole_of(robot, side):

@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-import pytest
 
 from frontal_biped.control.controller import QpController
 from frontal_biped.control.torques.linearisation import Targets
@@ -44,20 +43,10 @@ class Whole(NamedTuple):
 
 
 @cache
-def _whole(name):
+def whole(name):
+    """A robot in space and its gait, by name; read-only."""
     biped = load_robot(name)
     return Whole(biped, FreeRobot(biped.robot), load_gait(biped.path.with_name(f"{name}.gait.json")))
-
-
-@pytest.fixture(scope="session")
-def whole():
-    """A robot in space and its gait, by name."""
-    return _whole
-
-
-@pytest.fixture(scope="session")
-def talos(whole):
-    return whole("talos_full")
 
 
 def adversarial(robot, count, seed):
