@@ -44,6 +44,11 @@ Each claim, how it is held, what was measured, and the tests that hold it:
   simulation/test_disturbances.py
 * Seven humanoids, torques held for 1 ms, reversal-adaptive, error dynamics of 200 rad/s: 20 steps, no fall.
   model/test_regression_gaits.py
+* The whole robot in MuJoCo: mass matrix and bias of seven robots against Pinocchio, relative 1e-10, with Romeo's
+  impossible inertias mended alike in both; weight, momentum, friction cone, impulses of pushes, and motors that keep
+  torque and speed limits, each by Pinocchio or by hand. simulation/mujoco/test_space_model.py, test_space_robot.py
+* The start of a walk in space: the planar state, feet flat and at rest, by forward kinematics; 1e-11.
+  simulation/space/test_spatial_start.py
 * The quadratic program: 1000 adversarial states; KKT conditions checked by other code, infeasibility by a linear
   program. control/torques/test_torque_program.py
 * The studio: newest request wins, a refused specification keeps the last gait, no process or port stays; in Chromium
