@@ -57,15 +57,16 @@ class WholeBodyProgram:
     Args:
         free: the robot.
         settings: gains, limits and weights.
+        rows: writes what the robot is asked for; None: the paper's outputs and the rest (`TaskRows`).
 
     Attributes:
         counts: ticks by how they were answered: by the linear system, by the nearest point with limits active, by
             ProxQP, with limits that gave way, by the last answer held.
     """
 
-    def __init__(self, free: FreeRobot, settings: WholeBodySettings) -> None:
+    def __init__(self, free: FreeRobot, settings: WholeBodySettings, rows: TaskRows | None = None) -> None:
         self.free, self.settings = free, settings
-        self.rows = TaskRows(free, settings)
+        self.rows = rows or TaskRows(free, settings)
         n = len(free.joint_names)
         self._n, self._nv = n, BASE + n
         size = self._nv + WRENCH
