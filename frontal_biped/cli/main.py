@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn, Protocol
 
-from frontal_biped.cli import analyze, demo, design, export, library, plot, robots, simulate, studio, trial, view
+from frontal_biped.cli import analyze, demo, design, export, library, plot, robots, simulate, studio, trial, view, walk
 from frontal_biped.cli.exit_status import TASK_FAILED, USAGE
 from frontal_biped.exceptions import FrontalBipedError
 from frontal_biped.version import __version__
@@ -27,7 +27,7 @@ class Command(Protocol):
 
 
 COMMANDS: tuple[Command, ...] = (
-    demo, design, library, analyze, simulate, trial, view, export, plot, studio, robots,
+    demo, design, library, analyze, simulate, walk, trial, view, export, plot, studio, robots,
 )  # fmt: skip
 """In the order of the help."""
 

@@ -13,6 +13,7 @@ from frontal_biped.model.urdf.mirrored_joints import MirroredJoints
 LEG = slice(1, 7)
 """Of a posture x of `MirroredJoints`: the six joints of the leg."""
 
+PLACE = 0.005  # [m] between the places of a foot that are tried on its way
 SOLVED = 1e-11  # [m], [rad]
 NEWTON_STEPS = 30
 LONGEST_STEP = 0.3  # [rad] of a joint in one of them
@@ -111,6 +112,19 @@ class BendingLeg:
         if moved is None or self.sense * self.flexion(moved) < self.margins.straight:
             return None
         return moved
+
+    def farthest(self, x: FloatArray, ahead: float) -> float:
+        """How far the foot gets on its way forwards [m], up to a place; in either sense, as a positive distance."""
+        wanted, done = abs(ahead), 0.0
+        if self.reach(x, ahead) is not None:
+            return wanted
+        place = float(np.copysign(PLACE, ahead))
+        while done + PLACE < wanted:  # where the whole way is too far: in small steps
+            moved = self.reach(x, place)
+            if moved is None:
+                break
+            x, done = moved, done + PLACE
+        return done
 
     def with_both_feet_flat(self, x: FloatArray) -> FloatArray:
         """(nq,) configuration of a posture, the right foot flat too where the legs are mirrored only nearly."""

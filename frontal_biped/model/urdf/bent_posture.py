@@ -30,7 +30,6 @@ TORSO_SHARE = 0.3
 """Of the torque limit of the torso's pitch joint, beyond which the torso is balanced above it; it may lean so far."""
 
 QUARTER = 0.25  # of the sole, at either end, that is left to the control of the walk
-PLACE = 0.005  # [m] between the places of a foot at which a leg is tried
 BEND = 0.03  # [rad] between the knee angles that are tried
 UNLIMITED = 1e6  # [N m] of torque, for joints without a limit
 
@@ -93,6 +92,29 @@ def find_bent_posture(
     )
 
 
+def room_for_steps(
+    full: pin.Model, legs: Legs, roll_joints: Mapping[str, str], posture: FloatArray, step_length: float
+) -> float:
+    """Distance of the feet in x up to which the legs keep the length they have at a posture [m].
+
+    Args:
+        full: 3D model with a free-flyer root.
+        legs: its legs, each with six joints from hip to ankle roll.
+        roll_joints: the four roll joints.
+        posture: (nq,) with an upright pelvis.
+        step_length: up to which it is tried [m].
+
+    Raises:
+        RobotError: the legs have not six joints each, or none of them is a knee.
+    """
+    leg = BendingLeg(MirroredJoints(full, legs, roll_joints, posture, all_joints=True))
+    leg.margins = MARGINS[0]
+    x = leg.joints.at_start
+    if leg.sense * leg.flexion(x) < leg.margins.straight:
+        return 0.0
+    return 2.0 * min(leg.farthest(x, sense * 0.5 * step_length) for sense in (1.0, -1.0))
+
+
 class _Bender:
     """Tries knee angles from nearly straight on, and centres of mass from the best place on."""
 
@@ -119,25 +141,12 @@ class _Bender:
                         start = leg.guess(flexion + BEND)
                         continue
                     start, reached = x.copy(), True
-                    room = 2.0 * min(self._reach(x, 1.0), self._reach(x, -1.0))
+                    room = 2.0 * min(leg.farthest(x, sense * 0.5 * self.step_length) for sense in (1.0, -1.0))
                     if room >= self.step_length:
                         return self._posture(room, x)
                     if best is None or (room, flexion) > best[:2]:
                         best = room, float(flexion), x
         return None if best is None else self._posture(best[0], best[2])
-
-    def _reach(self, x: FloatArray, sense: float) -> float:
-        """How far a foot gets ahead of (+1) or behind (-1) its place [m]; at most half a step."""
-        half = 0.5 * self.step_length
-        if self.leg.reach(x, sense * half) is not None:
-            return half
-        done = 0.0
-        while done + PLACE < half:  # where the whole way is too far: in small steps
-            moved = self.leg.reach(x, sense * PLACE)
-            if moved is None:
-                break
-            x, done = moved, done + PLACE
-        return done
 
     # ------------------------------------------------------------------ what is wanted
     def _places(self) -> FloatArray:

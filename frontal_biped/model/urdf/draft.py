@@ -1,9 +1,10 @@
 """What proposals of descriptions are made of: reach, soles, reduction, numbers as a file has them."""
 
+import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -13,8 +14,10 @@ from frontal_biped.model.robot import Robot
 from frontal_biped.model.urdf.description import RobotDescription, Sole
 from frontal_biped.model.urdf.legs import Legs, find_legs
 from frontal_biped.model.urdf.packages import EXAMPLE_ROBOT_DATA, example_robot_data_dir
+from frontal_biped.model.urdf.read import read_urdf
 from frontal_biped.model.urdf.reduction import FrontalReduction, reduce_to_frontal_plane
 from frontal_biped.model.urdf.soles import MeasuredSole, measure_sole
+from frontal_biped.model.urdf.whole_model import build_model
 
 ZERO_ANGLE = 5e-5
 """Angles [rad] this small are left out of a proposed posture where the joint can be at zero."""
@@ -33,6 +36,50 @@ class Proposal:
     text: str
     undecided: tuple[str, ...]
     folder: Path
+
+
+class FirstDraft(NamedTuple):
+    """What can be told of a URDF before its posture is looked for.
+
+    Attributes:
+        description: with the four roll joints, every other joint at zero or as near as it comes.
+        full: 3D model with a free-flyer root.
+        legs: its legs.
+        urdf_text: the URDF.
+        notes: comment lines for the file.
+    """
+
+    description: RobotDescription
+    full: pin.Model
+    legs: Legs
+    urdf_text: str
+    notes: list[str]
+
+
+def first_draft(urdf: Path) -> FirstDraft:
+    """The legs of a URDF and its roll joints.
+
+    Raises:
+        RobotError: the URDF cannot be read, or it is no biped; `HypothesisError` names the hypothesis.
+    """
+    text = read_urdf(urdf)
+    name = urdf.stem
+    draft = RobotDescription(name, urdf, {}, {}, Sole(0.0, 0.0), None, None, urdf)
+    full = build_model(draft, text)
+    legs = find_legs(full, str(urdf))
+    joints = {
+        "left_ankle": legs.left[legs.roll[-1]],
+        "left_hip": legs.left[legs.roll[0]],
+        "right_hip": legs.right[legs.roll[0]],
+        "right_ankle": legs.right[legs.roll[-1]],
+    }
+    notes = [f"legs: {', '.join(legs.left)}", f"and {', '.join(legs.right)}"]
+    if not legs.sides_named:
+        notes.append("which side is left follows from the root link's X pointing forward; joint names do not tell")
+    if len(legs.roll) > 2:
+        spare = ", ".join(legs.left[i] for i in legs.roll[1:-1])
+        notes.append(f"of the leg's roll joints the first and the last are taken; {spare} is locked")
+    return FirstDraft(replace(draft, joints=joints, posture=reachable(full)), full, legs, text, notes)
 
 
 def legs_of(description: RobotDescription, full: pin.Model) -> Legs:
@@ -100,6 +147,19 @@ def measure_left_sole(
     return sole, "the foot has neither collision nor visual shapes"
 
 
+def described(sole: MeasuredSole) -> Sole:
+    """What the description says of the left foot's sole, rather smaller than larger."""
+    length = {}
+    if sole.spans_ankle:  # otherwise it is left for the user to find out
+        length = {"front": _tenth_of_millimetre(sole.toe), "back": _tenth_of_millimetre(-sole.heel)}
+    return Sole(
+        inner=_tenth_of_millimetre(sole.right),  # the left foot's inner side is its right
+        outer=_tenth_of_millimetre(sole.left),
+        ankle_height=round(sole.ankle_height, 4),
+        **length,
+    )
+
+
 def reduce_draft(
     draft: RobotDescription, full: pin.Model, text: str, comments: dict[str, str], sole_known: bool
 ) -> tuple[RobotDescription, list[str]]:
@@ -147,9 +207,19 @@ def _gait(hip_width: float) -> dict[str, Any]:
 
 
 def urdf_key(urdf: Path, folder: Path) -> str:
-    """What a description in a folder says of its URDF."""
+    """What a description in a folder says of its URDF.
+
+    Raises:
+        RobotError: the URDF is not below the folder.
+    """
+    found = urdf.resolve()
+    with contextlib.suppress(ValueError, RobotError):
+        return f"{EXAMPLE_ROBOT_DATA}:{found.relative_to(example_robot_data_dir().resolve()).as_posix()}"
     try:
-        inside = urdf.resolve().relative_to(example_robot_data_dir().resolve())
-    except (ValueError, RobotError):
-        return urdf.relative_to(folder).as_posix()
-    return f"{EXAMPLE_ROBOT_DATA}:{inside.as_posix()}"
+        return found.relative_to(folder.resolve()).as_posix()
+    except ValueError:
+        raise RobotError(f"{urdf}: not below {folder}, where its description is to lie; put that beside it") from None
+
+
+def _tenth_of_millimetre(length: float) -> float:
+    return float(np.floor(1e4 * length + 1e-2)) / 1e4

@@ -10,6 +10,8 @@ from frontal_biped.model.urdf.description import RobotDescription, Sole, read_de
 from frontal_biped.model.urdf.description_text import description_text
 from frontal_biped.model.urdf.draft import (
     Proposal,
+    described,
+    first_draft,
     legs_of,
     measure_left_sole,
     reachable,
@@ -18,10 +20,9 @@ from frontal_biped.model.urdf.draft import (
     rounded_rpy,
     urdf_key,
 )
-from frontal_biped.model.urdf.legs import Legs, find_legs
+from frontal_biped.model.urdf.legs import Legs
 from frontal_biped.model.urdf.posture import Posture, find_posture
 from frontal_biped.model.urdf.read import read_urdf
-from frontal_biped.model.urdf.soles import MeasuredSole
 from frontal_biped.model.urdf.whole_model import build_model, posture_configuration
 
 
@@ -35,29 +36,11 @@ def propose_description(urdf: Path) -> Proposal:
         RobotError: the URDF cannot be read, or it is no biped that can walk in its frontal plane; `HypothesisError`
             names the hypothesis.
     """
-    text = read_urdf(urdf)
-    name = urdf.stem
-    draft = RobotDescription(name, urdf, {}, {}, Sole(0.0, 0.0), None, None, urdf)
-    full = build_model(draft, text)
-    legs = find_legs(full, str(urdf))
-    joints = {
-        "left_ankle": legs.left[legs.roll[-1]],
-        "left_hip": legs.left[legs.roll[0]],
-        "right_hip": legs.right[legs.roll[0]],
-        "right_ankle": legs.right[legs.roll[-1]],
-    }
-    notes = [f"legs: {', '.join(legs.left)}", f"and {', '.join(legs.right)}"]
-    undecided: list[str] = []
-    if not legs.sides_named:
-        notes.append("which side is left follows from the root link's X pointing forward; joint names do not tell")
-    if len(legs.roll) > 2:
-        spare = ", ".join(legs.left[i] for i in legs.roll[1:-1])
-        notes.append(f"of the leg's roll joints the first and the last are taken; {spare} is locked")
+    draft, full, legs, text, notes = first_draft(urdf)
     notes.append(
         "armature: a URDF does not tell the rotors' reflected inertia; add [armature] ankle, hip (kg m^2) if known"
     )
-    draft = replace(draft, joints=joints, posture=reachable(full))
-    return _complete(draft, full, legs, text, notes, undecided)
+    return _complete(draft, full, legs, text, notes, [])
 
 
 def propose_posture(path: Path) -> Proposal:
@@ -110,7 +93,7 @@ def _complete(
             undecided.append(f"sole: {trouble}; measure inner, outer, ankle_height, front and back")
             draft = replace(draft, sole=Sole(0.0, 0.0))
         else:
-            draft = replace(draft, sole=_described(sole))
+            draft = replace(draft, sole=described(sole))
             comments["sole"] = f"of one foot, m; measured on its {sole.source} shapes, under the centre of mass"
     draft, problems = reduce_draft(draft, full, text, comments, sole_known=keep is not None or sole is not None)
     undecided += problems
@@ -119,26 +102,9 @@ def _complete(
     return Proposal(description_text(draft, urdf_key(draft.urdf, folder), head, comments), tuple(undecided), folder)
 
 
-def _described(sole: MeasuredSole) -> Sole:
-    """What the description says of the left foot's sole, rather smaller than larger."""
-    length = {}
-    if sole.spans_ankle:  # otherwise it is left for the user to find out
-        length = {"front": _tenth_of_millimetre(sole.toe), "back": _tenth_of_millimetre(-sole.heel)}
-    return Sole(
-        inner=_tenth_of_millimetre(sole.right),  # the left foot's inner side is its right
-        outer=_tenth_of_millimetre(sole.left),
-        ankle_height=round(sole.ankle_height, 4),
-        **length,
-    )
-
-
 def _posture_note(posture: Posture) -> str:
     soles = "" if posture.heel is None else f", soles {posture.heel:+.3f}..{posture.toe:+.3f} m"
     return (
         f"posture: roll axes within {np.degrees(posture.axis_error):.1e} degrees of X, feet flat within"
         f" {np.degrees(posture.foot_error):.1e}, centre of mass {posture.com_x:+.3f} m ahead of the ankles{soles}"
     )
-
-
-def _tenth_of_millimetre(length: float) -> float:
-    return float(np.floor(1e4 * length + 1e-2)) / 1e4
