@@ -47,6 +47,10 @@ class LandingTime:
         self._falling = _path(falling.beta, falling.dbeta, upwards=False)
         beta, energy = self._rising
         self._slowing = abs(float((energy[-1] - energy[-2]) / (beta[-1] - beta[-2])))
+        speed = np.sqrt(2.0 * energy)
+        pieces = 2.0 * np.diff(beta) / (speed[1:] + speed[:-1])
+        self._rise_left = np.concatenate([np.cumsum(pieces[::-1])[::-1], [0.0]])  # on the orbit, at every point
+        self._fall = self._falling_time(float(self._falling[0][0]), 0.0)
 
     def left(self, phase: StepPhase, beta: float, dbeta: float) -> float:
         """Time left [s] at a frontal state; at least zero."""
@@ -58,8 +62,8 @@ class LandingTime:
             highest = beta + 0.5 * dbeta**2 / slowing
             return max(dbeta, 0.0) / slowing + self._falling_time(highest, 0.0)
         excess = 0.5 * dbeta**2 - float(np.interp(beta, grid, energy))
-        rest = _rest(grid, energy, beta)
-        return min(_time(*rest, excess), LONGEST * _time(*rest, 0.0)) + self._falling_time(float(grid[-1]), 0.0)
+        longest = LONGEST * float(np.interp(beta, grid, self._rise_left))
+        return min(_time(*_rest(grid, energy, beta), excess), longest) + self._fall
 
     def _falling_time(self, beta: float, dbeta: float) -> float:
         grid, energy = self._falling
@@ -96,8 +100,8 @@ def _time(grid: FloatArray, energy: FloatArray, excess: float) -> float:
     """Time along what is left of a path, an excess of energy at its start dying out towards its end [s]."""
     if len(grid) < 2 or grid[-1] == grid[0]:
         return 0.0
-    share = (grid[-1] - grid) / (grid[-1] - grid[0])
-    speed = np.sqrt(2.0 * np.maximum(energy + excess * share, 0.0))
-    mean = 0.5 * (speed[1:] + speed[:-1])
-    moving = mean > SLOWEST
-    return float(np.sum(np.abs(np.diff(grid))[moving] / mean[moving]))
+    total = energy + (excess / (grid[-1] - grid[0])) * (grid[-1] - grid)
+    speed = np.sqrt(2.0 * np.maximum(total, 0.0))
+    twice = speed[1:] + speed[:-1]
+    moving = twice > SLOWEST
+    return 2.0 * float(np.abs((grid[1:] - grid[:-1])[moving] / twice[moving]).sum())
