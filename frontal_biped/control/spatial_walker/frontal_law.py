@@ -24,6 +24,12 @@ from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
 from frontal_biped.virtual_constraints.phase import StepPhase
 
+LEARNED = 0.2
+"""Share of the sole, from the ankle to either end, that the learned offset may take [-]."""
+
+DISTURBED = 0.12
+"""Relative speed error half-way down from which on a step was disturbed, and is not learned from [-]."""
+
 
 @dataclass(frozen=True)
 class FrontalSettings:
@@ -139,6 +145,8 @@ class FrontalLaw:
         error = self._energy.error(StepPhase.FALLING, float(q[0]), float(dq[0]))
         orbit = 0.5 * float(dq[0]) ** 2 - error
         self.mid_fall = abs(float(dq[0])) / float(np.sqrt(2.0 * orbit)) - 1.0 if orbit > 0.0 else float("nan")
+        if not abs(self.mid_fall) < DISTURBED:
+            return
         learned = self.offset[self._stance] + self.settings.learning * error / self._energy_per_offset
         outer, inner = self.biped.sole
-        self.offset[self._stance] = float(np.clip(learned, 0.3 * outer, 0.3 * inner))
+        self.offset[self._stance] = float(np.clip(learned, LEARNED * outer, LEARNED * inner))
