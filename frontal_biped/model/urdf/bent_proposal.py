@@ -41,6 +41,7 @@ USUAL_LEG = 0.6
 """Length of the legs [m] of a robot whose steps take `STEP_DURATIONS`; times grow with the root of the length."""
 
 STEP_DURATIONS = (0.45, 0.8)  # [s]
+CLEARANCE = 0.02  # [m] of a swing foot of that robot: in space it is not led as exactly as in the plane
 NARROWER = 2.0 / 3.0
 """Widest step over that proposed for the plane: 1.2 distances of the hips. Wider ones cost less, and land harder."""
 
@@ -159,7 +160,7 @@ def _walking_gait(gait: Mapping[str, Any], bent: RobotDescription, length: float
     scale = length / USUAL_LEG
     walking = {
         **gait,
-        "swing_clearance": round(gait["swing_clearance"] * scale, 4),
+        "swing_clearance": round(CLEARANCE * scale, 4),
         "step_duration": [round(duration * scale**0.5, 2) for duration in STEP_DURATIONS],
         "max_foot_rotation": LEVEL,
     }
