@@ -44,6 +44,7 @@ RUNS = {
         (["gait.json", "--steps", "2", "-o", "run.npz"], "run.npz"),
         (["gait.json", "--steps", "2", "--engine", "mujoco", "-o", "mujoco.npz"], "mujoco.npz"),
     ],
+    "walk": [(["romeo", "--steps", "2", "--speed", "0.1", "--push=3,0,0.2", "-o", "walk.npz"], "walk.npz")],
     "trial": [(["walk.scenario.toml"], None)],
     "view": [
         (["run.npz", "--html", "page.html"], "page.html"),
