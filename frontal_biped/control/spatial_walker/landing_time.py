@@ -80,7 +80,8 @@ def _path(beta: FloatArray, dbeta: FloatArray, upwards: bool) -> tuple[FloatArra
     order = np.argsort(beta)
     grid = np.linspace(float(beta.min()), float(beta.max()), POINTS)
     energy = np.interp(grid, beta[order], 0.5 * dbeta[order] ** 2)
-    return (grid, energy) if upwards else (grid[::-1], energy[::-1])
+    # an orbit's points run from the reversal to the impact in both phases; the rate tells which way it moves
+    return (grid, energy) if float(np.sum(dbeta)) > 0.0 else (grid[::-1], energy[::-1])
 
 
 def _rest(grid: FloatArray, energy: FloatArray, beta: float) -> tuple[FloatArray, FloatArray]:
