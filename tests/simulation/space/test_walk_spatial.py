@@ -1,0 +1,74 @@
+"""Walks in space from one call: robot and gait in, run out, in MuJoCo, from sensor readings alone."""
+
+import numpy as np
+import pytest
+from whole_robots import whole
+
+from frontal_biped.exceptions import SimulationError
+from frontal_biped.simulation.disturbances import Disturbances
+from frontal_biped.simulation.hybrid_system import EventKind
+from frontal_biped.simulation.space.settings import SpatialSettings
+from frontal_biped.simulation.space.walk_spatial import walk_spatial
+
+pytest.importorskip("mujoco")
+
+DURATION = {"talos_full": 0.01}
+"""Of a step, from the closed form of the planar gait [-]."""
+
+SPEED = 0.1
+"""Of the commanded speed, once it has been approached [-]."""
+
+SPOT = 0.05
+"""How far a robot on the spot may be from where it began [m]."""
+
+NOISE = Disturbances(encoder_noise=1e-4, imu_noise=1e-3, gyro_noise=5e-3, delay=3e-3)
+"""Standard deviations [rad, rad, rad/s], and the delay [s], which the walker knows."""
+
+
+def durations(run):
+    """Of every step, landing to landing [s]."""
+    return np.diff([t for t, kind in zip(run.event_t, run.event_kind, strict=True) if kind is EventKind.IMPACT])
+
+
+def test_talos_on_the_spot():
+    """Four steps: a step takes what the closed form says, every tick is solved with all limits kept."""
+    robot = whole("talos_full")
+    run = walk_spatial(robot.biped, robot.gait, steps=4)
+    assert run.outcome == "completed" and run.steps_completed == 4
+    taken = durations(run) / robot.gait.step(robot.biped).duration
+    assert np.abs(taken - 1.0).max() < DURATION["talos_full"]
+    assert np.abs(run.com[-1] - run.com[0])[0] < SPOT
+    assert np.all(run.solved == 1)
+    assert run.settings["controller"]["landings"] == 4
+    assert run.settings["measured"]["beyond_range"]["largest"] == 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["romeo_bent", "g1_bent", "icub_bent", "simple_humanoid_bent"])
+def test_others_on_the_spot(name):
+    robot = whole(name)
+    run = walk_spatial(robot.biped, robot.gait, steps=6)
+    print(
+        name,
+        run.outcome,
+        durations(run) / robot.gait.step(robot.biped).duration,
+        run.com[-1] - run.com[0],
+        run.settings["controller"],
+    )
+    assert run.outcome == "completed"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("disturbances", [Disturbances(), NOISE], ids=["exact", "noise and delay"])
+def test_talos_forwards(disturbances):
+    robot, speed = whole("talos_full"), 0.2
+    run = walk_spatial(robot.biped, robot.gait, speed=speed, steps=10, disturbances=disturbances)
+    impacts = [t for t, kind in zip(run.event_t, run.event_kind, strict=True) if kind is EventKind.IMPACT]
+    x = np.interp(impacts, run.t, run.com[:, 0])
+    print(
+        run.outcome,
+        np.diff(x) / np.diff(impacts),
+        durations(run) / robot.gait.step(robot.biped).duration,
+        run.settings["controller"],
+    )
+    assert run.outcome == "completed"
