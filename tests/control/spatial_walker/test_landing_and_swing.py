@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import trapezoid
 from whole_robots import whole
 
 from frontal_biped.control.spatial_walker.landing_time import LandingTime
@@ -14,8 +13,9 @@ from frontal_biped.virtual_constraints.phase import StepPhase
 TABLE = 6e-3
 """Of a step's duration: what a table of the energy leaves, linear between points; talos' is steep at the reversal."""
 
-FORESEEN = 0.015
-"""Of a step's duration: the full model's own step, whose virtual constraints are chosen anew at the reversal."""
+FORESEEN = {0.0: 0.005, 0.01: 0.03, -0.01: 0.03, 0.05: 0.1, -0.05: 0.1}
+"""By the relative error of the speed at the start: of a step's duration, root mean square over it. Large ones are more
+than is believed of a single reading."""
 
 PERIOD = 1e-3
 
@@ -39,34 +39,19 @@ def test_on_the_orbit_it_is_the_rest_of_the_step(robot, time):
         assert time.left(which, q[0], dq[0]) == pytest.approx(orbit.t[-1] - t, abs=TABLE * time.duration)
 
 
-@pytest.mark.parametrize("gain", [0.3, 1.0, -0.2])
-def test_falling_with_another_energy(robot, time, gain):
-    """Quadrature over the rest of the way: E of the orbit, and so much of the speed's square half-way down besides."""
-    falling = robot.gait.step(robot.biped).falling
-    beta, energy = falling.beta[::-1], 0.5 * falling.dbeta[::-1] ** 2
-    span = float(beta[-1] - beta[0])
-    for share in (0.6, 0.3, 0.05):
-        at = float(beta[0]) + share * span
-        excess = gain * float(np.interp(beta[0] + 0.5 * span, beta, energy))
-        here = float(np.interp(at, beta, energy)) + excess
-        if here <= 0.0:
-            continue
-        way = np.linspace(beta[0], at, 100001)
-        rest = np.interp(way, beta, energy) + excess
-        if rest.min() <= 0.01 * here:
-            continue  # it turns before the landing, or all but does
-        expected = trapezoid(1.0 / np.sqrt(2.0 * rest), way)
-        found = time.left(StepPhase.FALLING, at, -float(np.sqrt(2.0 * here)))
-        assert found == pytest.approx(expected, abs=TABLE * time.duration)
+@pytest.mark.parametrize("error", FORESEEN)
+def test_what_is_foreseen_happens(robot, time, error):
+    """The full planar model walks a step that begins too fast or too slow: the landing comes when it was said to.
 
-
-def test_what_is_foreseen_happens(robot, time):
-    """The full planar model walks the step: at every instant of it the landing comes when it was said to."""
-    run = simulate(robot.biped, robot.gait, steps=1)
+    The reversal and the falling phase are others than the orbit's then.
+    """
+    run = simulate(robot.biped, robot.gait, steps=1, speed_error=error, stabiliser="re-anchored")
     rising = run.phase == run.phase[0]
-    for t, q, dq, up in zip(run.t, run.q, run.dq, rising, strict=True):
-        left = time.left(StepPhase.RISING if up else StepPhase.FALLING, q[0], dq[0])
-        assert left == pytest.approx(run.t[-1] - t, abs=FORESEEN * time.duration)
+    missed = [
+        time.left(StepPhase.RISING if up else StepPhase.FALLING, q[0], dq[0]) - (run.t[-1] - t)
+        for t, q, dq, up in zip(run.t, run.q, run.dq, rising, strict=True)
+    ]
+    assert np.sqrt(np.mean(np.square(missed))) < FORESEEN[error] * time.duration
 
 
 def test_beyond_the_ends(time, robot):
