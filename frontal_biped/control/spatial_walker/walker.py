@@ -52,6 +52,15 @@ class SpatialWalker:
         estimator: what to trust of the readings.
 
     Attributes:
+        program: the whole-body program, which counts how ticks were answered.
+        estimator: what the readings are taken for.
+        phases: when a landing or a reversal is believed.
+        frontal: outputs and FRI.
+        sagittal: centre of pressure and foothold.
+        landing_time: time left of a step.
+        swing: path of the swing sole forwards.
+        stance: the foot taken for the stance foot.
+        speed: of the present step [m/s].
         landings: so far.
 
     Raises:
