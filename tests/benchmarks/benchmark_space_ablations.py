@@ -32,9 +32,12 @@ def without_energy(subject: Subject, speed: float) -> SpatialWalker:
     return subject.walker(speed, frontal=FrontalSettings(energy=None, learning=0.0))
 
 
-def roll_joints(subject: Subject, speed: float) -> SpatialWalker:
-    walker = subject.walker(speed)
-    walker.state = RollJointState(subject.free, subject.biped)
+def roll_joints(ankle: bool) -> Callable[[Subject, float], SpatialWalker]:
+    def walker(subject: Subject, speed: float) -> SpatialWalker:
+        made = subject.walker(speed)
+        made.state = RollJointState(subject.free, subject.biped, ankle)
+        return made
+
     return walker
 
 
@@ -51,7 +54,8 @@ ABLATIONS: dict[str, Callable[[Subject, float], SpatialWalker]] = {
     "all of it": whole,
     "no learning from step to step": without_learning,
     "no energy law, no learning": without_energy,
-    "roll joints, not virtual legs": roll_joints,
+    "roll joints as outputs": roll_joints(ankle=False),
+    "roll joints, the ankle's as beta": roll_joints(ankle=True),
     "joint PD, 2000 N m/rad": joint_pd(2000.0, 90.0),
     "joint PD, 10000 N m/rad": joint_pd(10000.0, 200.0),
 }
@@ -84,7 +88,7 @@ def main() -> None:
         if chosen.only and not any(word in name for word in chosen.only):
             continue
         for speed in chosen.speeds:
-            print(f"{name:30} {speed:.1f} m/s: {row(subject, make, speed, chosen.steps)}", flush=True)
+            print(f"{name:33} {speed:.1f} m/s: {row(subject, make, speed, chosen.steps)}", flush=True)
 
 
 if __name__ == "__main__":

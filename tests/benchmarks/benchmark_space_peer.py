@@ -8,7 +8,7 @@ least torque, of a walk at 0.4 m/s that is pushed to the left and to the right. 
 Then both, and the peer with the step duration of our gait:
 
 * the fastest speed of those tried, downwards, that is held for so many steps;
-* pushes of 20 and 10 N s on the pelvis for 50 ms in +-x and +-y, on the spot, in the second step, soon after landing
+* the largest push of those tried on the pelvis, 50 ms in +-x and +-y, on the spot, in the second step, after its start
   and half-way through; survived if four more steps are walked;
 * torque squared per second on the spot, and per metre at a speed that both hold; step duration.
 """
@@ -26,9 +26,8 @@ from tests.benchmarks.space_walks import Subject, torque_squared
 
 DIRECTIONS = {"+x": (1.0, 0.0), "-x": (-1.0, 0.0), "+y": (0.0, 1.0), "-y": (0.0, -1.0)}
 INSTANTS = {"after the landing": ("rising", 0.05), "half-way": ("falling", 0.0)}
-IMPULSES = (20.0, 10.0)  # [N s], tried in this order
 PUSHED_STEP, STEPS_AFTER, PUSH_DURATION = 1, 4, 0.05  # [-], [-], [s]
-SWEEP_SPEED, SWEEP_STEPS, SWEEP_IMPULSE = 0.4, 8, 15.0  # [m/s], [-], [N s]
+SWEEP_SPEED, SWEEP_STEPS, SWEEP_IMPULSE = 0.4, 8, 30.0  # [m/s], [-], [N s]
 SETTLED = 3  # steps before torques are counted
 
 Maker = Callable[[float], SpatialTickable]
@@ -76,13 +75,13 @@ def fastest(subject: Subject, make: Maker, speeds: list[float], steps: int) -> s
     return f"none; {beyond}"
 
 
-def pushed(subject: Subject, make: Maker) -> dict[str, list[float]]:
-    """The larger of the impulses survived [N s], by instant and direction."""
+def pushed(subject: Subject, make: Maker, impulses: list[float]) -> dict[str, list[float]]:
+    """The first of the impulses that is survived [N s], by instant and direction; 0 for none."""
     found: dict[str, list[float]] = {}
     for name, (phase, start) in INSTANTS.items():
         for x, y in DIRECTIONS.values():
             survived = 0.0
-            for size in IMPULSES:
+            for size in impulses:
                 push = SpatialPush(start, PUSH_DURATION, (size * x, size * y, 0.0), step=PUSHED_STEP, phase=phase)
                 if not subject.walk(make(0.0), PUSHED_STEP + 1 + STEPS_AFTER, (push,)).fell:
                     survived = size
@@ -110,8 +109,12 @@ def main() -> None:
     parser.add_argument("--robot", default="talos_full")
     parser.add_argument("--steps", type=int, default=30, help="for which a speed is held")
     parser.add_argument("--speeds", type=float, nargs="+", default=[0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2])
+    parser.add_argument(
+        "--impulses", type=float, nargs="+", default=[40.0, 30.0, 20.0, 10.0], help="in this order, N s"
+    )
     parser.add_argument("--effort-steps", type=int, default=12)
     parser.add_argument("--effort-speed", type=float, default=0.3)
+    parser.add_argument("--only", nargs="+", help="of the controllers: ours, peer, same (peer with T as ours)")
     parser.add_argument("--peer", type=float, nargs=3, metavar=("T", "W", "K"), help="in place of the sweep")
     parser.add_argument(
         "--parts", nargs="+", choices=("speed", "pushes", "effort"), default=["effort", "pushes", "speed"]
@@ -133,18 +136,20 @@ def main() -> None:
     }
     if abs(best.duration - subject.duration) > 0.01:
         same = replace(best, duration=subject.duration)
-        makers["peer, T as ours"] = lambda speed: PeerWalker(subject.free, same, speed=speed)
+        makers["same"] = lambda speed: PeerWalker(subject.free, same, speed=speed)
+    if chosen.only:
+        makers = {name: makers[name] for name in chosen.only}
     for part in chosen.parts:
         for name, make in makers.items():
             if part == "effort":
                 for speed in (0.0, chosen.effort_speed):
-                    print(f"{name:16} {speed:.1f} m/s: {effort(subject, make, speed, chosen.effort_steps)}", flush=True)
+                    print(f"{name:5} {speed:.1f} m/s: {effort(subject, make, speed, chosen.effort_steps)}", flush=True)
             elif part == "pushes":
-                for when, sizes in pushed(subject, make).items():
+                for when, sizes in pushed(subject, make, chosen.impulses).items():
                     text = ", ".join(f"{d} {size:.0f}" for d, size in zip(DIRECTIONS, sizes, strict=True))
-                    print(f"{name:16} push {when}: {text} N s", flush=True)
+                    print(f"{name:5} push {when}: {text} N s", flush=True)
             else:
-                print(f"{name:16} fastest: {fastest(subject, make, chosen.speeds, chosen.steps)}", flush=True)
+                print(f"{name:5} fastest: {fastest(subject, make, chosen.speeds, chosen.steps)}", flush=True)
 
 
 if __name__ == "__main__":

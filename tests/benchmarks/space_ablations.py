@@ -31,9 +31,11 @@ class RollJointState(SpaceState):
     Args:
         free: the robot.
         biped: the same in the plane.
+        ankle: is the phase the angle of the stance ankle's joint, against the foot? Otherwise that of the virtual leg.
     """
 
-    def __init__(self, free: FreeRobot, biped: FrontalBiped) -> None:
+    def __init__(self, free: FreeRobot, biped: FrontalBiped, ankle: bool) -> None:
+        self._ankle_joint = ankle
         self._stance_map, self._roll_joints = biped.stance_map, roll_columns(free, biped)
         self._selected = np.zeros((free.model.nv, 4))
         self._selected[BASE + np.array(self._roll_joints), np.arange(4)] = 1.0
@@ -42,12 +44,16 @@ class RollJointState(SpaceState):
     def frontal(self, stance: Stance) -> FrontalCoordinates:
         """The roll joints in stance coordinates."""
         to_stance = self._stance_map
-        return FrontalCoordinates(
+        joints = FrontalCoordinates(
             to_stance.positions_to_stance(self.q[BASE + 1 :][self._roll_joints], stance),
             to_stance.velocities_to_stance(self.v[BASE:][self._roll_joints], stance),
             to_stance.velocities_to_stance(self._selected, stance).T,
             np.zeros(4),
         )
+        if not self._ankle_joint:
+            for own, seen in zip(vars(joints).values(), vars(super().frontal(stance)).values(), strict=True):
+                own[0] = seen[0]
+        return joints
 
 
 class JointPd:
