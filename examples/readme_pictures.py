@@ -2,7 +2,8 @@
 
     python examples/readme_pictures.py --out pictures [NAME ...]
 
-Names: walking, page, studio; default: all. They are taken by Chromium and need the extras `browser` and `viser`.
+Names: walking, walking_in_space, page, studio; default: all. They are taken by Chromium and need the extras `browser`,
+`mujoco` and `viser`.
 """
 
 import argparse
@@ -46,6 +47,15 @@ def walking(out: Path) -> None:
     gait = models_dir() / "talos_full.gait.json"
     target = ["-o", str(out / "walking.gif"), "--steps", "2", "--size", "640x480", "--fps", "15"]
     assert frontal_biped_command(["export", str(gait), *target]) == 0
+
+
+def walking_in_space(out: Path) -> None:
+    """The first steps of TALOS with every joint free, from standing still to 0.25 m/s."""
+    with tempfile.TemporaryDirectory() as folder:
+        run = str(Path(folder) / "run.npz")
+        assert frontal_biped_command(["walk", "talos_full", "--speed", "0.25", "--steps", "8", "-o", run]) == 0
+        target = ["-o", str(out / "walking_in_space.gif"), "--steps", "4", "--size", "640x480", "--fps", "10"]
+        assert frontal_biped_command(["export", run, *target]) == 0
 
 
 def page(out: Path) -> None:
@@ -92,7 +102,9 @@ def shoot(shown: Any, path: Path) -> None:
         temporary.write_bytes(shown.screenshot(timeout=PATIENCE))
 
 
-PICTURES: dict[str, Callable[[Path], None]] = {picture.__name__: picture for picture in (walking, page, studio)}
+PICTURES: dict[str, Callable[[Path], None]] = {
+    picture.__name__: picture for picture in (walking, walking_in_space, page, studio)
+}
 
 
 if __name__ == "__main__":

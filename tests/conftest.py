@@ -13,6 +13,14 @@ Each claim, how it is held, what was measured, and the tests that hold it:
   gait/test_holding_wrench.py, model/space/test_landing.py, zero_dynamics/test_frontal_energy.py
 * Virtual legs: Jacobians and drifts against differences, 1e-7; (y, z) of hips, ankles and trunk wherever the feet are
   in x, 1e-9. model/space/test_space_state.py
+* The whole-body program: in the plane the torques of the planar one, romeo_bent 1e-8; 1000 adversarial states each of
+  three robots, optimal under active limits by conditions that other code checks; what ProxQP finds, where it finds it
+  and no limit gives way; what gives way; soles and joint ranges. control/whole_body/test_whole_body_program.py,
+  control/whole_body/test_whole_body_rows.py, control/whole_body/test_contact_and_ranges.py
+* The sagittal law on the linear inverted pendulum: reference, feedback, foothold; 1e-9 m of an ODE solver.
+  control/spatial_walker/test_sagittal_law.py
+* Knees that are bent for a walk: flat soles, room for the step and distance from limits by plane geometry.
+  model/urdf/test_bent_posture.py
 * Cost of the reference and level-pelvis gaits: from the default start, checked on a grid 40 times denser than the
   optimiser's; 210.2 and 405.6 N^2 m s. design/test_design.py
 * Hybrid invariance and energy balance of a gait file: residuals below 1e-9. design/test_design.py, gait/test_gait.py

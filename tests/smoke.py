@@ -44,14 +44,16 @@ RUNS = {
         (["gait.json", "--steps", "2", "-o", "run.npz"], "run.npz"),
         (["gait.json", "--steps", "2", "--engine", "mujoco", "-o", "mujoco.npz"], "mujoco.npz"),
     ],
-    "walk": [(["romeo", "--steps", "2", "--speed", "0.1", "--push=3,0,0.2", "-o", "walk.npz"], "walk.npz")],
+    "walk": [
+        (["talos_full", "--speed", "0.1", "--steps", "3", "--html", "space.html", "-o", "space.npz"], "space.html"),
+    ],
     "trial": [(["walk.scenario.toml"], None)],
     "view": [
         (["run.npz", "--html", "page.html"], "page.html"),
         (["run.npz", "gait.json", "--ghost", "--html", "two.html"], "two.html"),
         (["talos_full.json", "--html", "talos.html"], "talos.html"),
     ],
-    "export": [(["run.npz", "-o", "run.csv"], "run.csv")],
+    "export": [(["run.npz", "-o", "run.csv"], "run.csv"), (["space.npz", "-o", "space.csv"], "space.csv")],
     "plot": [(["run.npz", "-o", "figures"], "figures/joint_angles.svg")],
     "robots": [(["--json"], None), (["--describe", G1, "-o", "my_g1.toml"], "my_g1.toml")],
     "demo": [(["--out", "demo"], "demo/report.html")],
