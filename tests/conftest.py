@@ -4,8 +4,8 @@ Each claim, how it is held, what was measured, and the tests that hold it:
 
 * Dynamics, ground reaction, momentum, impact, kappa_1..3: against numbers of a separately written symbolic model, three
   robots; relative 1e-9. model/test_independent_values.py, zero_dynamics/test_restricted.py
-* Planar models of thirteen robots, either foot: inverse dynamics against the 3D model moved in the plane, pinned against
-  projected floating model, impact against its KKT system; relative 1e-10 (icub 1e-5: its URDF is rounded).
+* Planar models of fourteen robots, either foot: inverse dynamics against the 3D model moved in the plane, pinned
+  against projected floating model, impact against its KKT system; relative 1e-10 (icub 1e-5: its URDF is rounded).
   model/test_every_robot.py, robot_laws.py, model/test_stance_map.py
 * The planar gait in space: what the ground must hold, against inverse dynamics and momenta of seven humanoids in space
   and of three with every joint free, 1e-9 (icub 1e-5; virtual legs of g1_bent 1e-2); landing with every joint free
@@ -53,8 +53,8 @@ Each claim, how it is held, what was measured, and the tests that hold it:
 * Seven humanoids, torques held for 1 ms, reversal-adaptive, error dynamics of 200 rad/s: 20 steps, no fall.
   model/test_regression_gaits.py
 * Bent knees: room for the step by the law of cosines, flat feet by the lowest points of the soles, static torque of a
-  knee by weight and lever; virtual legs: no link moves at the posture, and each turns about X as Rodrigues' formula says.
-  model/urdf/test_bent_posture.py, model/urdf/test_virtual_legs.py
+  knee by weight and lever; virtual legs: no link moves at the posture, and each turns about X as Rodrigues' formula
+  says. model/urdf/test_bent_posture.py, model/urdf/test_virtual_legs.py
 * A bare URDF, described, bent, measured, kept, found again and never written over; tilted hips and legs mirrored only
   nearly. design/test_preparation.py
 * The whole robot in MuJoCo: mass matrix and bias of seven robots against Pinocchio, relative 1e-10, with Romeo's
