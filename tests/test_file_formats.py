@@ -14,6 +14,7 @@ import frontal_biped.gait.specification
 import frontal_biped.library.sweep
 import frontal_biped.model.urdf.description
 import frontal_biped.scenarios.file
+import frontal_biped.scenarios.space_file
 import frontal_biped.simulation.csv_table
 import frontal_biped.simulation.trajectory
 from frontal_biped.gait import GaitSpecification, read_specification, save_gait
@@ -84,10 +85,11 @@ class TestScenario:
 
     def test_every_key_is_named(self):
         table = tomllib.loads(self.block)
-        assert set(table) == set(frontal_biped.scenarios.file.KEYS)
+        space = tomllib.loads(blocks(frontal_biped.scenarios.space_file)[0])
+        assert set(table) | set(space) == set(frontal_biped.scenarios.file.KEYS)
         assert set(table["disturbances"]) == {field.name for field in fields(Disturbances)} - {"pushes", "seed"}
         said = set(re.findall(r"``(\w+)`` \[\w+\]", frontal_biped.scenarios.file.__doc__))
-        assert set(table["expect"]) | said == {field.name for field in fields(Expectations)} | {"delay"}
+        assert set(table["expect"]) | set(space["expect"]) | said == {field.name for field in fields(Expectations)} | {"delay"}
 
     @pytest.mark.slow
     def test_is_as_expected(self, tmp_path):
