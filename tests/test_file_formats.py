@@ -82,14 +82,22 @@ class TestDescription:
 
 class TestScenario:
     (block,) = blocks(frontal_biped.scenarios.file)
+    (space_block,) = blocks(frontal_biped.scenarios.space_file)
 
     def test_every_key_is_named(self):
-        table = tomllib.loads(self.block)
-        space = tomllib.loads(blocks(frontal_biped.scenarios.space_file)[0])
+        table, space = tomllib.loads(self.block), tomllib.loads(self.space_block)
         assert set(table) | set(space) == set(frontal_biped.scenarios.file.KEYS)
         assert set(table["disturbances"]) == {field.name for field in fields(Disturbances)} - {"pushes", "seed"}
+        assert not set(space["disturbances"]) - set(table["disturbances"]) - {"velocity_noise"}
         said = set(re.findall(r"``(\w+)`` \[\w+\]", frontal_biped.scenarios.file.__doc__))
-        assert set(table["expect"]) | set(space["expect"]) | said == {field.name for field in fields(Expectations)} | {"delay"}
+        assert set(table["expect"]) | set(space["expect"]) | said == {f.name for f in fields(Expectations)} | {"delay"}
+
+    def test_what_only_space_has_loads(self, tmp_path):
+        path = tmp_path / "space.scenario.toml"
+        path.write_text(self.space_block, encoding="utf-8")
+        scenario = load_scenario(path)
+        assert scenario.space is not None and len(scenario.space.pushes) == 1
+        assert [command.speed for command in scenario.space.commands] == [0.2, 0.3]
 
     @pytest.mark.slow
     def test_is_as_expected(self, tmp_path):
