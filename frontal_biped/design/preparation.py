@@ -10,7 +10,7 @@ What was made is found again, and nothing is written over.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from frontal_biped.design.optimise import design_gait
@@ -18,6 +18,7 @@ from frontal_biped.exceptions import DesignFailedError, GaitFileError, RobotErro
 from frontal_biped.files.atomic import require_folder, write_text
 from frontal_biped.gait.file import load_gait, save_gait
 from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.specification import default_specification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import description_path, load_robot, models_dir, robot_names
 from frontal_biped.model.urdf.bent_posture import room_for_steps
@@ -32,6 +33,9 @@ BENT = "_bent"
 
 ROOM = 0.1
 """Distance of the feet in x for which a described posture must leave room, of the length of a leg [-]."""
+
+FREER = 2.0
+"""How much more the swing foot may turn in a second search, where the first found no gait and no remedy [-]."""
 
 Tell = Callable[[str], None]
 """Called with a line that says what is being done."""
@@ -179,11 +183,18 @@ class _Maker:
             return gait
         require_folder(self.folder)
         self.tell(f"designing a gait for {biped.name}")
-        result = design_gait(biped)
+        spec = default_specification(biped)
+        result = design_gait(biped, spec)
         if result.gait is None and result.remedy is not None:
             remedy = result.remedy
             self.tell(f"with {remedy.key} = {remedy.new:.4g} in place of {remedy.old:.4g}, which leaves none")
             result = design_gait(biped, remedy.specification)
+        elif result.gait is None and spec.max_foot_rotation is not None:
+            freer = FREER * spec.max_foot_rotation
+            self.tell(
+                f"with max_foot_rotation = {freer:.4g} in place of {spec.max_foot_rotation:.4g}, which found none"
+            )
+            result = design_gait(biped, replace(spec, max_foot_rotation=freer))
         if result.gait is None:
             raise DesignFailedError(f"no gait: {biped.name}: {result.message}; change [gait] in {biped.path}")
         save_gait(result.gait, target)

@@ -168,9 +168,25 @@ def test_a_remedy_that_was_tried_is_taken(tmp_path, told, monkeypatch):
         def __init__(self, found):
             self.gait, self.remedy, self.message = (gait, None, "") if found else (None, Remedy, "no")
 
-    monkeypatch.setattr(preparation, "design_gait", lambda biped, *spec: Result(bool(spec)))
+    def design(biped, spec):
+        return Result(spec is Remedy.specification)
+
+    monkeypatch.setattr(preparation, "design_gait", design)
     prepare_to_walk("human", tmp_path, on_progress=told.append)
     assert "with friction = 0.2 in place of 0.1, which leaves none" in told
+
+
+def test_a_foot_may_turn_more_where_no_remedy_is_known(tmp_path, told, monkeypatch):
+    class Result:
+        remedy, message = None, "nothing"
+
+        def __init__(self, spec):
+            found = spec.max_foot_rotation > 0.05
+            self.gait = load_gait(models_dir() / "romeo_bent.gait.json") if found else None
+
+    monkeypatch.setattr(preparation, "design_gait", lambda biped, spec: Result(spec))
+    prepare_to_walk(load_robot("romeo").description.urdf, tmp_path, on_progress=told.append)
+    assert "with max_foot_rotation = 0.1 in place of 0.05, which found none" in told
 
 
 @pytest.mark.parametrize(("robot", "words"), [

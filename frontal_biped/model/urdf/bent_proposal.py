@@ -40,7 +40,7 @@ legs are `USUAL_LEG` or longer; smaller motors have it smaller, with the cube of
 USUAL_LEG = 0.6
 """Length of the legs [m] of a robot whose steps take `STEP_DURATIONS`; times grow with the root of the length."""
 
-STEP_DURATIONS = (0.45, 0.8)  # [s]
+STEP_DURATIONS = (0.4, 0.8)  # [s]; slow steps sway far, to the ends of the hips' ranges
 CLEARANCE = 0.02  # [m] of a swing foot of that robot: in space it is not led as exactly as in the plane
 NARROWER = 2.0 / 3.0
 """Widest step over that proposed for the plane: 1.2 distances of the hips. Wider ones cost less, and land harder."""
