@@ -139,6 +139,7 @@ def test_camera_goes_along_and_can_be_told_not_to(opened):
     assert page.evaluate(x) == pytest.approx(start, abs=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", ["force", "fri", "com", "footsteps", "foothold"])
 def test_every_toggle_hides_and_shows_its_part(opened, part):
     opened.at(0.45 * float(opened.run.t[-1]))

@@ -38,6 +38,7 @@ def durations(run, robot):
     return taken
 
 
+@pytest.mark.slow
 def test_talos_on_the_spot():
     """Four steps: a step takes what the closed form says, every tick is solved with all limits kept."""
     robot = whole("talos_full")
