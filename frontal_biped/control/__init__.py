@@ -23,7 +23,8 @@ every solved one passes an independent check of the KKT conditions, every other 
 program. What a tick costs: `tests/benchmarks/benchmark_control_tick.py`.
 
 Rooms: `stabilisers` choose the virtual constraints of each phase, `torques` what the motors do at a tick, `walker`
-turns sensor readings into torques as on a robot.
+turns sensor readings into torques as on a robot. `whole_body` and `spatial_walker` do the same for every joint of the
+robot free in space.
 """
 
 from frontal_biped.control.controller import Command, QpController
