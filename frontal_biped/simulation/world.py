@@ -134,8 +134,8 @@ class Neighbours(NamedTuple):
         weight: (K,) of the right one, 0 to 1; the last instant of a run is reached from the left at weight 1.
     """
 
-    left: "np.ndarray[Any, np.dtype[np.intp]]"
-    right: "np.ndarray[Any, np.dtype[np.intp]]"
+    left: np.ndarray[Any, np.dtype[np.intp]]
+    right: np.ndarray[Any, np.dtype[np.intp]]
     weight: FloatArray
 
     def mix(self, values: FloatArray) -> FloatArray:
