@@ -87,7 +87,6 @@ class TaskRows:
         self._b = np.zeros(len(self._A))
         at = NATURE + LEGS + np.arange(len(self.outside))
         self._A[at, BASE + self.outside] = 1.0
-        self._joints = at
         self._wrench = slice(nv, nv + WRENCH)
         self._nv = nv
 

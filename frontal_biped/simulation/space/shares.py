@@ -34,9 +34,4 @@ def joint_shares(robot: FreeRobot, run: SpatialRun) -> JointShares:
     middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * (limits.upper - limits.lower)
     ranged = np.isfinite(half)
     away = np.abs(joints - np.where(ranged, middle, 0.0)) / np.where(ranged, half, np.inf)
-    return JointShares(_share(run.tau, limits.effort), _share(run.v[:, 6:], limits.velocity), away)
-
-
-def _share(values: FloatArray, limit: FloatArray) -> FloatArray:
-    # some URDFs write 0 for "no limit"
-    return np.abs(values) / np.where(limit > 0.0, limit, np.inf)
+    return JointShares(np.abs(run.tau) / limits.effort, np.abs(run.v[:, 6:]) / limits.velocity, away)
