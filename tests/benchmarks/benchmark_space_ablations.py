@@ -12,8 +12,10 @@ from collections.abc import Callable
 import numpy as np
 
 from frontal_biped.control.spatial_walker.frontal_law import FrontalSettings
+from frontal_biped.control.spatial_walker.leg_lengths import LengthSettings
 from frontal_biped.control.spatial_walker.walker import SpatialWalker
-from tests.benchmarks.space_ablations import JointPd, RollJointState
+from frontal_biped.control.walker.phase_machine import PhaseMachine
+from tests.benchmarks.space_ablations import AnkleLaw, JointPd, RollJointState
 from tests.benchmarks.space_walks import Subject
 
 SETTLED = 3
@@ -32,18 +34,26 @@ def without_energy(subject: Subject, speed: float) -> SpatialWalker:
     return subject.walker(speed, frontal=FrontalSettings(energy=None, learning=0.0))
 
 
-def roll_joints(ankle: bool) -> Callable[[Subject, float], SpatialWalker]:
-    def walker(subject: Subject, speed: float) -> SpatialWalker:
-        made = subject.walker(speed)
-        made.state = RollJointState(subject.free, subject.biped, ankle)
-        return made
+def roll_joints(subject: Subject, speed: float) -> SpatialWalker:
+    made = subject.walker(speed)
+    made.state = RollJointState(subject.free, subject.biped)
+    return made
 
-    return walker
+
+def over_beta(subject: Subject, speed: float) -> SpatialWalker:
+    made = subject.walker(speed)
+    made.frontal = AnkleLaw(made)  # type: ignore[assignment]
+    made.phases = PhaseMachine(made.period)
+    return made
+
+
+def without_lift(subject: Subject, speed: float) -> SpatialWalker:
+    return subject.walker(speed, lengths=LengthSettings(lift=0.0))
 
 
 def joint_pd(stiffness: float, damping: float) -> Callable[[Subject, float], SpatialWalker]:
     def walker(subject: Subject, speed: float) -> SpatialWalker:
-        made = subject.walker(speed)
+        made = over_beta(subject, speed)
         made.program = JointPd(made, stiffness, damping)  # type: ignore[assignment]
         return made
 
@@ -54,8 +64,9 @@ ABLATIONS: dict[str, Callable[[Subject, float], SpatialWalker]] = {
     "all of it": whole,
     "no learning from step to step": without_learning,
     "no energy law, no learning": without_energy,
-    "roll joints as outputs": roll_joints(ankle=False),
-    "roll joints, the ankle's as beta": roll_joints(ankle=True),
+    "legs not drawn up": without_lift,
+    "beta, not the sway, as the phase": over_beta,
+    "roll joints as outputs": roll_joints,
     "joint PD, 2000 N m/rad": joint_pd(2000.0, 90.0),
     "joint PD, 10000 N m/rad": joint_pd(10000.0, 200.0),
 }

@@ -1,17 +1,26 @@
 """Parts of `SpatialWalker` taken out or put in by something simpler, for `benchmark_space_ablations.py`."""
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.controller import SHIFT_ROOM, QpController
+from frontal_biped.control.interface import PhaseEvent
+from frontal_biped.control.settings import ControllerSettings
+from frontal_biped.control.spatial_walker.frontal_law import FrontalTargets
 from frontal_biped.control.spatial_walker.walker import SpatialWalker
+from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
 from frontal_biped.control.torques.linearisation import StanceModel
+from frontal_biped.control.walker.energy_law import EnergyLaw, EnergySettings
 from frontal_biped.control.whole_body.targets import WholeBodySolution, WholeBodyTargets
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.space.free_robot import BASE, FreeRobot
-from frontal_biped.model.space.virtual_legs import LENGTH, PITCH, FrontalCoordinates, SpaceState, X
+from frontal_biped.model.space.virtual_legs import LENGTH, PITCH, FrontalCoordinates, SpaceState, Sway, X
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
+from frontal_biped.virtual_constraints.phase import StepPhase
 
 NEWTON_STEPS = 2
 """Of the joints' references at a tick; they start where the last tick's ended."""
@@ -31,18 +40,16 @@ class RollJointState(SpaceState):
     Args:
         free: the robot.
         biped: the same in the plane.
-        ankle: is the phase the angle of the stance ankle's joint, against the foot? Otherwise that of the virtual leg.
     """
 
-    def __init__(self, free: FreeRobot, biped: FrontalBiped, ankle: bool) -> None:
-        self._ankle_joint = ankle
+    def __init__(self, free: FreeRobot, biped: FrontalBiped) -> None:
         self._stance_map, self._roll_joints = biped.stance_map, roll_columns(free, biped)
         self._selected = np.zeros((free.model.nv, 4))
         self._selected[BASE + np.array(self._roll_joints), np.arange(4)] = 1.0
         super().__init__(free)
 
     def frontal(self, stance: Stance) -> FrontalCoordinates:
-        """The roll joints in stance coordinates."""
+        """The roll joints in stance coordinates; beta that of the virtual leg."""
         to_stance = self._stance_map
         joints = FrontalCoordinates(
             to_stance.positions_to_stance(self.q[BASE + 1 :][self._roll_joints], stance),
@@ -50,16 +57,70 @@ class RollJointState(SpaceState):
             to_stance.velocities_to_stance(self._selected, stance).T,
             np.zeros(4),
         )
-        if not self._ankle_joint:
-            for own, seen in zip(vars(joints).values(), vars(super().frontal(stance)).values(), strict=True):
-                own[0] = seen[0]
+        for own, seen in zip(vars(joints).values(), vars(super().frontal(stance)).values(), strict=True):
+            own[0] = seen[0]
         return joints
+
+
+class AnkleLaw:
+    """In the place of `FrontalLaw`: the paper's phase variable, beta, and the energy law of the planar `Walker`.
+
+    Args:
+        walker: whose law it replaces.
+    """
+
+    def __init__(self, walker: SpatialWalker) -> None:
+        own = walker.frontal
+        self.settings, self.orbit, self._period = own.settings, own.orbit, walker.period
+        biped, gait = walker.biped, walker.gait
+        limits = replace(ControllerSettings.for_gait(gait), frequency=walker.settings.output)
+        stabiliser = ReanchoringTransitions(biped, gait, anticipate=False, rejoin=False)
+        self.controller = QpController(biped, gait, limits, stabiliser)
+        self._energy = EnergyLaw(biped, gait, walker.period, own.settings.energy or EnergySettings())
+        self._biped, self._room = biped, tuple(SHIFT_ROOM * end for end in biped.sole)
+        self.offset = own.offset
+        self.reset(Stance.LEFT)
+
+    def reset(self, stance: Stance) -> None:
+        """Start right after an impact."""
+        self._energy.reset(stance)
+        self.mid_fall, self._until_settled, self._begun = float("nan"), np.inf, False
+
+    def land(self, stance: Stance, sway: Sway, q: FloatArray, dq: FloatArray) -> None:
+        """A foot has landed."""
+        self._energy.land(stance)
+        self._begin(StepPhase.RISING, q, dq)
+        self._until_settled = self.settings.settle or np.inf
+
+    def at(
+        self,
+        phase: StepPhase,
+        frontal: FrontalCoordinates,
+        sway: Sway,
+        event: PhaseEvent | None,
+        unexplained: float,
+    ) -> FrontalTargets:
+        """Targets at a state, over beta; what the model does not explain is left out."""
+        q, dq = frontal.q.copy(), frontal.dq.copy()
+        self._until_settled -= self._period
+        turned = event is PhaseEvent.REVERSAL or event is PhaseEvent.TURNED_OUTWARDS
+        if turned or not self._begun or (self._until_settled <= 0.0 and phase is StepPhase.RISING):
+            self._begin(phase, q, dq)
+        targets, y, _ = self.controller.targets(phase, State(q, dq))
+        shift = self._energy.fri_shift(phase, q, float(dq[0]), np.zeros(4))
+        p_fri = min(max(targets.p_fri + shift, self._room[0]), self._room[1])
+        return FrontalTargets(targets._replace(p_fri=p_fri), y, None)
+
+    def _begin(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> None:
+        self.controller.begin(phase, q, dq)
+        self._begun, self._until_settled = True, np.inf
 
 
 class JointPd:
     """In the place of the whole-body program: planar torques for the roll joints, PD for all others.
 
-    The planar torques are those of the planar robot at the frontal state, for the same outputs and FRI. The references
+    The planar torques are those of the planar robot at the frontal state, for the outputs over beta and the FRI of
+    `AnkleLaw`, which the walker has to follow. The references
     of the other leg joints come from inverse kinematics at the roll joints' angles: both virtual legs at their lengths,
     pelvis and feet not pitched nor yawed, the swing foot on its path, the pelvis on the pendulum's orbit.
 
@@ -109,7 +170,7 @@ class JointPd:
     ) -> FloatArray:
         """(n,) references: legs by Newton's method, everything else at the posture, roll joints where they are."""
         walker, law, still = self.walker, self.walker.sagittal, np.zeros(len(state.v))
-        left = walker.landing_time.left(walker.phases.phase, float(frontal.q[0]), float(frontal.dq[0]))
+        left = walker.left
         half = 0.5 * law.omega * law.duration
         swayed = np.sinh(half - law.omega * min(left, law.duration)) / np.sinh(half)
         ahead = self._ahead + 0.5 * walker.speed * law.duration * float(swayed)

@@ -1,28 +1,33 @@
-"""The frontal plane of the robot in space: the paper's outputs and FRI target, the energy of the orbit kept.
+r"""The frontal plane of the robot in space: the paper's outputs and FRI target, the energy of the orbit kept.
 
-The same three parts as in the planar `Walker`: virtual constraints that begin where the robot is (`QpController`), the
-energy law that moves the FRI inside the sole at every tick, and, from step to step, an offset of the FRI while falling
-that holds the energy half-way down. What the planar model leaves out, legs that swing forwards and an impact with every
-joint free, comes back at every step and is taken off by the offset.
+What the planar `Walker` does over beta is done here over the sway s (`swayed`): each phase begins where the robot is,
+the FRI moves inside the sole at every tick so that the energy sideways is that of the orbit (`SwayOrbit`),
+
+.. math:: \Delta \ddot s = \pm \frac{\tfrac12 \dot s^2 - E(s)}{\ell} - a_s, \qquad
+          \Delta p_{FRI} = -\frac{z}{g} \Delta \ddot s
+
+(plus while rising, a_s the mean acceleration that the model does not explain), and from step to step an offset of the
+FRI while falling takes off what is left of the energy error half-way down: what the planar model leaves out, legs that
+swing forwards and an impact with every joint free, comes back at every step.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.controller import SHIFT_ROOM, QpController
+from frontal_biped.control.controller import SHIFT_ROOM
 from frontal_biped.control.interface import PhaseEvent
-from frontal_biped.control.settings import ControllerSettings
-from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
 from frontal_biped.control.torques.linearisation import Targets
-from frontal_biped.control.walker.energy_law import EnergyLaw, EnergySettings
+from frontal_biped.control.walker.energy_law import EnergySettings
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.space.virtual_legs import FrontalCoordinates, Sway
 from frontal_biped.model.stance_map import Stance
-from frontal_biped.model.state import State
 from frontal_biped.virtual_constraints.phase import StepPhase
+from frontal_biped.virtual_constraints.swayed import BegunPhase, SwayedPhase
+from frontal_biped.zero_dynamics.sway_orbit import SwayOrbit
 
 LEARNED = 0.2
 """Share of the sole, from the ankle to either end, that the learned offset may take [-]."""
@@ -30,13 +35,17 @@ LEARNED = 0.2
 DISTURBED = 0.12
 """Relative speed error half-way down from which on a step was disturbed, and is not learned from [-]."""
 
+SLOWEST = 0.02
+"""Rate of the sway below which the slope after a landing is taken from the plan: it divides by the rate [m/s]."""
+
 
 @dataclass(frozen=True)
 class FrontalSettings:
     """How the frontal plane is kept.
 
     Attributes:
-        energy: how the energy of the orbit is kept at every tick; None: not at all.
+        energy: how the energy of the orbit is kept at every tick, lengths as shares of the sway's range; None: not at
+            all.
         learning: share of the energy error half-way down that the offset of the next step on that foot takes off.
         settle: time after a landing when the virtual constraints begin anew, from what is measured [s]; 0: never.
     """
@@ -52,10 +61,12 @@ class FrontalTargets(NamedTuple):
     Attributes:
         targets: of the paper's outputs and the FRI.
         y: (3,) output error [rad].
+        over: what the outputs' derivatives are taken with respect to; None: beta.
     """
 
     targets: Targets
     y: FloatArray
+    over: Sway | None
 
 
 class FrontalLaw:
@@ -69,84 +80,121 @@ class FrontalLaw:
         settings: how the plane is kept.
 
     Attributes:
-        controller: virtual constraints of both phases.
+        orbit: energy and time of the gait over the sway.
         offset: of the FRI target while falling, for either stance foot [m].
         mid_fall: relative speed error half-way down of the last step, NaN before the first [-].
+
+    Raises:
+        SimulationError: the centre of mass turns back along a phase of the gait.
     """
 
     def __init__(
         self, biped: FrontalBiped, gait: Gait, period: float, frequency: float, settings: FrontalSettings
     ) -> None:
-        self.biped, self.settings, self._period = biped, settings, period
-        limits = replace(ControllerSettings.for_gait(gait), frequency=frequency)
-        alone = settings.energy is None
-        stabiliser = ReanchoringTransitions(biped, gait, anticipate=alone, rejoin=alone)
-        self.controller = QpController(biped, gait, limits, stabiliser)
-        self._energy = EnergyLaw(biped, gait, period, settings.energy or EnergySettings())
-        falling = gait.step(biped).falling
-        ends = float(falling.beta[0]), float(falling.beta[-1])
-        self._half_way = 0.5 * (ends[0] + ends[1])
+        self.settings, self._period, self._frequency = settings, period, frequency
+        self._phases = {
+            StepPhase.RISING: SwayedPhase(biped, gait.rising),
+            StepPhase.FALLING: SwayedPhase(biped, gait.falling),
+        }
+        decay = np.inf if settings.energy is None else settings.energy.length
+        step = gait.step(biped)
+        self.orbit = SwayOrbit(biped, step.rising, step.falling, decay)
+        self._half_way = self.orbit.half_way(StepPhase.FALLING)
         # an offset over the upper half of the fall takes this much energy off, per metre
-        inertia = float(np.interp(self._half_way, falling.beta[::-1], falling.restricted.I_P[::-1]))
-        self._energy_per_offset = 0.5 * abs(ends[1] - ends[0]) * biped.weight / inertia
-        outer, inner = biped.sole
-        self._room = SHIFT_ROOM * outer, SHIFT_ROOM * inner
+        self._energy_per_offset = 0.5 * self.orbit.ranges[StepPhase.FALLING] * self.orbit.omega**2
+        self._sole = biped.sole
         self.reset(Stance.LEFT)
 
     def reset(self, stance: Stance) -> None:
         """Start right after an impact."""
-        self._energy.reset(stance)
         self.offset = dict.fromkeys(Stance, 0.0)
         self.mid_fall = float("nan")
-        self._stance, self._begun = stance, False
+        self._bias = dict.fromkeys(Stance, 0.0)
+        self._begun: BegunPhase | None = None
+        self._stance, self._since = stance, 0.0
         self._until_settled = np.inf
         self._fallen = True  # the first step is not learned from: it began where it was put
 
-    def begin(self, phase: StepPhase, q: FloatArray, dq: FloatArray, landed: Stance | None = None) -> None:
-        """A phase begins at q (4,) [rad], dq (4,) [rad/s]; with a landing, on which foot."""
-        self.controller.begin(phase, q, dq)
-        self._begun = True
-        self._until_settled = np.inf
-        if landed is not None:
-            self._energy.land(landed)
-            self._stance, self._fallen = landed, False
-            self._until_settled = self.settings.settle or np.inf
+    def land(self, stance: Stance, sway: Sway, q: FloatArray, dq: FloatArray) -> None:
+        """A foot has landed: the rising phase begins.
+
+        Args:
+            stance: the foot.
+            sway: after the impact, over that foot.
+            q: (4,) its stance coordinates [rad].
+            dq: (4,) theirs after the impact [rad/s].
+        """
+        self._stance, self._since, self._fallen = stance, 0.0, False
+        self._until_settled = self.settings.settle or np.inf
+        self._begin(StepPhase.RISING, sway, q[1:], dq[1:])
 
     def at(
-        self, phase: StepPhase, q: FloatArray, dq: FloatArray, event: PhaseEvent | None, unexplained: FloatArray
+        self,
+        phase: StepPhase,
+        frontal: FrontalCoordinates,
+        sway: Sway,
+        event: PhaseEvent | None,
+        unexplained: float,
     ) -> FrontalTargets:
         """Targets at a state.
 
         Args:
             phase: rising or falling.
-            q: (4,) [rad].
-            dq: (4,) [rad/s].
-            event: a reversal or a turn outwards that was noticed here; a landing is told to `begin`.
-            unexplained: (4,) acceleration that the model does not explain [rad/s^2].
+            frontal: stance coordinates.
+            sway: of the centre of mass.
+            event: a reversal or a turn outwards that was noticed here; a landing is told to `land`.
+            unexplained: acceleration of the sway that the model does not explain [m/s^2].
         """
         self._until_settled -= self._period
-        turned = event is PhaseEvent.REVERSAL or event is PhaseEvent.TURNED_OUTWARDS
-        if turned or not self._begun or (self._until_settled <= 0.0 and phase is StepPhase.RISING):
-            self.begin(phase, q, dq)
-        shift = 0.0
-        if self.settings.energy is not None:
-            shift = self._energy.fri_shift(phase, q, float(dq[0]), unexplained)
+        self._since += self._period
+        pose, rates = frontal.q[1:], frontal.dq[1:]
+        if self._begun is None or (self._until_settled <= 0.0 and phase is StepPhase.RISING):
+            self._until_settled = np.inf
+            self._begin(phase, sway, pose, rates)
+        elif event is PhaseEvent.REVERSAL or event is PhaseEvent.TURNED_OUTWARDS:
+            # where the robot turns every rate is zero, and the phase before says with which slope it goes on
+            self._until_settled = np.inf
+            before = self._begun.at(sway.value)
+            self._begun = self._phases[phase].begun(sway.value, before.h_d, before.h_d1)
+        assert self._begun is not None
+        shift = self._shift(phase, sway, unexplained)
         if phase is StepPhase.FALLING:
-            self._learn(q, dq)
+            self._learn(sway)
             shift += self.offset[self._stance]
-        targets, y, _ = self.controller.targets(phase, State(q, dq))
-        low, high = self._room
-        return FrontalTargets(targets._replace(p_fri=min(max(targets.p_fri + shift, low), high)), y)
+        asked = self._begun.at(sway.value)
+        y, dy = pose - asked.h_d, rates - asked.h_d1 * sway.rate
+        ddy = -(self._frequency**2) * y - 2.0 * self._frequency * dy
+        outer, inner = self._sole
+        p_fri = min(max(asked.p_fri + shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
+        return FrontalTargets(Targets(asked.h_d1, asked.h_d2 * sway.rate**2, ddy, p_fri), y, sway)
 
-    def _learn(self, q: FloatArray, dq: FloatArray) -> None:
-        if self._fallen or q[0] > self._half_way:
+    def _begin(self, phase: StepPhase, sway: Sway, pose: FloatArray, rates: FloatArray) -> None:
+        slope = rates / sway.rate if abs(sway.rate) > SLOWEST else None
+        self._begun = self._phases[phase].begun(sway.value, pose, slope)
+
+    def _shift(self, phase: StepPhase, sway: Sway, unexplained: float) -> float:
+        """How far the FRI target is moved for the energy [m]."""
+        settings = self.settings.energy
+        if settings is None:
+            return 0.0
+        bias, stance = self._bias, self._stance
+        if self._since > settings.blank:
+            bias[stance] += self._period / settings.average * (unexplained - bias[stance])
+        # the foot rocks after a landing, and the estimate with it
+        trust = min(max(self._since / settings.blank - 1.0, 0.0), 1.0)
+        length = phase.sign * settings.length * self.orbit.ranges[phase]
+        wanted = trust * self.orbit.error(phase, sway.value, sway.rate) / length - bias[stance]
+        return -wanted / self.orbit.omega**2
+
+    def _learn(self, sway: Sway) -> None:
+        if self._fallen or sway.value < self._half_way:
             return
         self._fallen = True
-        error = self._energy.error(StepPhase.FALLING, float(q[0]), float(dq[0]))
-        orbit = 0.5 * float(dq[0]) ** 2 - error
-        self.mid_fall = abs(float(dq[0])) / float(np.sqrt(2.0 * orbit)) - 1.0 if orbit > 0.0 else float("nan")
+        error = self.orbit.error(StepPhase.FALLING, sway.value, sway.rate)
+        orbit = 0.5 * sway.rate**2 - error
+        self.mid_fall = abs(sway.rate) / float(np.sqrt(2.0 * orbit)) - 1.0 if orbit > 0.0 else float("nan")
         if not abs(self.mid_fall) < DISTURBED:
             return
         learned = self.offset[self._stance] + self.settings.learning * error / self._energy_per_offset
-        outer, inner = self.biped.sole
+        outer, inner = self._sole
         self.offset[self._stance] = float(np.clip(learned, LEARNED * outer, LEARNED * inner))

@@ -2,8 +2,8 @@
 
 At every reading: estimate the state (`SpatialEstimator`), decide whether the swing foot has landed (`PhaseMachine`),
 predict the state at the time when the torques will act, see the frontal plane in it (`SpaceState.frontal`) and ask
-`FrontalLaw` for its outputs and FRI, `SagittalLaw` for the centre of pressure and the next foothold; the whole-body
-program finds the torques that give all of it.
+`FrontalLaw` for its outputs and FRI, `SagittalLaw` for the centre of pressure and the next foothold, `LegLengths` for
+the legs' lengths; the whole-body program finds the torques that give all of it.
 """
 
 from collections import deque
@@ -15,24 +15,31 @@ from frontal_biped.control.interface import PhaseEvent
 from frontal_biped.control.spatial_walker.estimator import SpatialEstimator, SpatialEstimatorSettings
 from frontal_biped.control.spatial_walker.frontal_law import FrontalLaw, FrontalSettings
 from frontal_biped.control.spatial_walker.interface import SpatialCommand, SpatialReading
-from frontal_biped.control.spatial_walker.landing_time import LandingTime
+from frontal_biped.control.spatial_walker.leg_lengths import LegLengths, LengthSettings
 from frontal_biped.control.spatial_walker.sagittal import SagittalLaw, SagittalSettings
 from frontal_biped.control.spatial_walker.swing_path import SwingPath
 from frontal_biped.control.walker.phase_machine import PhaseMachine, PhaseSettings
 from frontal_biped.control.whole_body.program import WholeBodyProgram
 from frontal_biped.control.whole_body.settings import WholeBodySettings
-from frontal_biped.control.whole_body.targets import WholeBodyTargets
+from frontal_biped.control.whole_body.targets import LegLength, WholeBodyTargets
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.impact import impact
 from frontal_biped.model.space.free_robot import BASE, FreeRobot
-from frontal_biped.model.space.virtual_legs import FrontalCoordinates, SpaceState
+from frontal_biped.model.space.virtual_legs import LENGTH, SpaceState, Sway
 from frontal_biped.model.stance_map import Stance
 
 SOFT = (0.009, 0.039, 0.15)
 """After a landing the contact rings: feedback is at the last of these shares until the first of these times [s], and
 grows to all of it until the second."""
+
+
+TURNED = 0.004
+"""Hysteresis of the sway's rate at a reversal [m/s]."""
+
+LIFTED = 0.02
+"""Time without a touch after which a foot has left the ground [s]: it leaves slowly, and rings on soft ground."""
 
 
 class SpatialWalker:
@@ -48,6 +55,7 @@ class SpatialWalker:
         settings: gains and limits of the whole-body program.
         frontal: how the frontal plane is kept.
         sagittal: how the sagittal plane is kept.
+        lengths: how the legs are drawn up and put down.
         phases: when to believe in a landing or a reversal.
         estimator: what to trust of the readings.
 
@@ -57,14 +65,16 @@ class SpatialWalker:
         phases: when a landing or a reversal is believed.
         frontal: outputs and FRI.
         sagittal: centre of pressure and foothold.
-        landing_time: time left of a step.
         swing: path of the swing sole forwards.
+        lengths: of both legs.
+        left: time to the landing [s].
         stance: the foot taken for the stance foot.
         speed: of the present step [m/s].
         landings: so far.
 
     Raises:
         SimulationError: the delay is no multiple of the period.
+        SimulationError: the centre of mass turns back along a phase of the gait.
         RobotError: a leg has not six joints.
     """
 
@@ -80,6 +90,7 @@ class SpatialWalker:
         settings: WholeBodySettings | None = None,
         frontal: FrontalSettings | None = None,
         sagittal: SagittalSettings | None = None,
+        lengths: LengthSettings | None = None,
         phases: PhaseSettings | None = None,
         estimator: SpatialEstimatorSettings | None = None,
     ) -> None:
@@ -91,11 +102,12 @@ class SpatialWalker:
         self.program = WholeBodyProgram(free, self.settings)
         self.state = SpaceState(free)
         self.estimator = SpatialEstimator(free, period, estimator)
-        self.phases = PhaseMachine(period, phases)
+        self.phases = PhaseMachine(period, phases or PhaseSettings(rate=TURNED, lifted=LIFTED))
         self.frontal = FrontalLaw(biped, gait, period, self.settings.output, frontal or FrontalSettings())
-        self.landing_time = LandingTime(biped, gait)
-        self.sagittal = SagittalLaw.of(self.state, self.landing_time.duration, sagittal or SagittalSettings())
+        duration = self.frontal.orbit.duration
+        self.sagittal = SagittalLaw.of(self.state, duration, sagittal or SagittalSettings())
         self.swing = SwingPath()
+        self.lengths = LegLengths(free, duration, lengths or LengthSettings())
         self._posture = free.posture[BASE + 1 :].copy()
         self._still = np.zeros(free.model.nv)
         self._asked = speed
@@ -122,10 +134,12 @@ class SpatialWalker:
         self.program.reset()
         self.landings = 0
         self.speed = 0.0
+        self.left = self.frontal.orbit.duration
         self.swing.start(float(self.estimator.sole(stance.other)[0]), 0.0)
+        self.lengths.start(LegLength(), LegLength())
         self._since = np.inf
         self._sent: deque[FloatArray] = deque(maxlen=self._on_the_way + 1)  # accelerations, the oldest act now
-        self._expected: FloatArray | None = None
+        self._expected: float | None = None
 
     def tick(self, reading: SpatialReading) -> SpatialCommand:
         """Torques for a reading, one period after the last."""
@@ -141,19 +155,16 @@ class SpatialWalker:
         self._since += self.period
         q, v = estimator.ahead(list(self._sent)[1:])
         state, stance = self.state.at(q, v), self.stance
-        seen = state.frontal(stance)
+        seen, sway = state.frontal(stance), state.sway(stance)
         if event is None:
-            event = self.phases.turn(float(seen.dq[0]))
+            event = self.phases.turn(-sway.rate)
         phase = self.phases.phase
-        wanted = self.frontal.at(phase, seen.q, seen.dq, event, self._unexplained(seen))
+        wanted = self.frontal.at(phase, seen, sway, event, self._unexplained(sway))
 
-        left = self.landing_time.left(phase, float(seen.q[0]), float(seen.dq[0]))
+        left = self.left = self.frontal.orbit.left(phase, sway.value, sway.rate)
         foot, other = state.feet[stance], state.feet[stance.other]
-        law, length, following = (
-            self.sagittal,
-            self.speed * self.sagittal.duration,
-            self._asked * self.sagittal.duration,
-        )
+        law = self.sagittal
+        length, following = self.speed * law.duration, self._next_speed() * law.duration
         xi = float(state.com[0] - foot.position[0] + state.com_velocity[0] / law.omega)
         cop = law.cop(xi, length, left)
         ahead = float(foot.position[0]) + law.foothold(xi, length, following, left)
@@ -165,8 +176,13 @@ class SpatialWalker:
             + 2.0 * frequency * (self.swing.dx - float(other.velocity[0]))
         )
         targets = wanted.targets._replace(ddy=soft * wanted.targets.ddy)
-        solution = self.program.solve(state, WholeBodyTargets(stance, targets, cop, swing, self._posture, soft))
-        self._expected = seen.dq + self.period * (seen.J @ solution.dv + seen.drift)
+        lengths = self.lengths
+        lengths.advance(left, self.period)
+        asked = WholeBodyTargets(
+            stance, targets, cop, swing, self._posture, soft, wanted.over, lengths.stance, lengths.swing
+        )
+        solution = self.program.solve(state, asked)
+        self._expected = sway.rate + self.period * float(sway.J @ solution.dv + sway.drift)
         if not self._sent:  # nothing else was on its way
             self._sent.extend([solution.dv] * self._on_the_way)
         self._sent.append(solution.dv)
@@ -209,17 +225,24 @@ class SpatialWalker:
         # what is on its way was made for the other foot: nobody knows what it does now
         self._sent = deque([self._still] * len(self._sent), maxlen=self._sent.maxlen)
         self.swing.start(float(estimator.sole(landed.other)[0]), 0.0)
-        seen = self.state.at(estimator.q, estimator.v).frontal(landed)
-        self.frontal.begin(self.phases.phase, seen.q, after.dq_plus, landed)
+        self.phases.stands(estimator.clearance(landed.other))
+        state = self.state.at(estimator.q, estimator.v)
+        self.lengths.start(*(self._length(state, side) for side in (landed, landed.other)))
+        self.frontal.land(landed, state.sway(landed), state.frontal(landed).q, after.dq_plus)
+
+    @staticmethod
+    def _length(state: SpaceState, side: Stance) -> LegLength:
+        leg = state.legs[side]
+        return LegLength(float(leg.values[LENGTH]) - state.lengths[side], float(leg.rates[LENGTH]))
 
     def _next_speed(self) -> float:
         """Of the next step: as near to the command as one step may come [m/s]."""
         most = self.sagittal.settings.speed_change
         return self.speed + min(max(self._asked - self.speed, -most), most)
 
-    def _unexplained(self, seen: FrontalCoordinates) -> FloatArray:
-        """(4,) frontal acceleration of the last period beyond what the program expected [rad/s^2]."""
-        return np.zeros(4) if self._expected is None else (seen.dq - self._expected) / self.period
+    def _unexplained(self, sway: Sway) -> float:
+        """Acceleration of the sway in the last period beyond what the program expected [m/s^2]."""
+        return 0.0 if self._expected is None else (sway.rate - self._expected) / self.period
 
     def _softness(self) -> float:
         begin, end, least = SOFT

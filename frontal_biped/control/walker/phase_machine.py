@@ -20,14 +20,15 @@ class PhaseSettings:
     """When the phase machine believes what.
 
     Attributes:
-        rate: hysteresis of the stance ankle's rate [rad/s].
+        rate: hysteresis of the rate that tells a reversal, of the stance ankle [rad/s] or in space of the sway [m/s].
         dwell: time after a landing or a reversal before the next reversal [s].
         expected: height of the swing sole below which a touch is believed at once [m].
         plausible: height above which a touch is not believed at all [m].
         touch: time for which another touch must last while falling [s].
         scuff: time for which it must last while rising [s].
         lifted: time without a touch, or above ``standing``, after which a foot has left the ground [s].
-        standing: height, by the joints, up to which a foot that touches may not have left uneven ground yet [m].
+        standing: height, by the joints, above where it stood up to which a foot that touches may not have left uneven
+            ground yet [m].
     """
 
     rate: float = 0.01
@@ -66,6 +67,11 @@ class PhaseMachine:
         self._touching = self._free = 0.0
         self._scuffing = False  # is the present touch counted as one?
         self._lifted = False
+        self._stood = 0.0
+
+    def stands(self, height: float) -> None:
+        """The foot that is to swing stands this high above the other one [m], as after a landing on uneven ground."""
+        self._stood = max(height, 0.0)
 
     def landing(self, touches: bool, clearance: float) -> bool:
         """Take a reading of the swing foot; True where it has just landed.
@@ -78,7 +84,7 @@ class PhaseMachine:
         # leaky, so that a flag that drops out now and then still counts
         self._touching = self._touching + h if touches else max(0.0, self._touching - h)
         self._scuffing &= self._touching > 0.0
-        if touches and clearance < settings.standing:
+        if touches and clearance < self._stood + settings.standing:
             self._free = 0.0
         else:
             self._free += h
@@ -101,7 +107,7 @@ class PhaseMachine:
         return True
 
     def turn(self, rate: float) -> PhaseEvent | None:
-        """Take the rate of the stance ankle [rad/s]; the event if it has turned."""
+        """Take the rate of the stance ankle [rad/s], in space of the sway outwards [m/s]; the event if it turns."""
         self._since += self.period
         if self._since < self.settings.dwell:
             return None

@@ -1,12 +1,31 @@
 """What the whole body is asked for at one tick."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.torques.linearisation import Targets
+from frontal_biped.model.space.virtual_legs import Sway
 from frontal_biped.model.stance_map import Stance
+
+
+class LegLength(NamedTuple):
+    """How the length of a virtual leg is to differ from the posture's.
+
+    Attributes:
+        offset: [m].
+        rate: [m/s].
+        acceleration: [m/s^2].
+    """
+
+    offset: float = 0.0
+    rate: float = 0.0
+    acceleration: float = 0.0
+
+
+KEPT = LegLength()
 
 
 @dataclass(frozen=True)
@@ -20,6 +39,9 @@ class WholeBodyTargets:
         swing_acceleration: of the swing sole forwards, feedback included [m/s^2].
         joints: (n,) where every joint that is not in a leg is to be [rad].
         softness: 1 as the settings say; below, all feedback is reduced by this factor, as after a landing [-].
+        sway: what the outputs' derivatives are taken with respect to; None: beta, as in the paper.
+        stance_length: of the stance leg.
+        swing_length: of the swing leg.
     """
 
     stance: Stance
@@ -28,6 +50,9 @@ class WholeBodyTargets:
     swing_acceleration: float
     joints: FloatArray
     softness: float = 1.0
+    sway: Sway | None = None
+    stance_length: LegLength = KEPT
+    swing_length: LegLength = KEPT
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,10 @@ By nature (base and stance foot, twelve rows):
 .. math::
     M_b \dot v - J_b^T w = -h_b, \qquad J_{st} \dot v = -\dot J_{st} v - k v_{st}
 
-Asked for, thirty rows for a robot of thirty joints: the paper's outputs on the virtual angles (3), its FRI target
-N_x = p_y F_z and the centre of pressure forwards N_y = -p_x F_z, both lengths of the virtual legs, pitch and yaw of
-the pelvis, the swing sole forwards, in pitch and yaw, and every joint outside the legs at its posture. As many rows as
-unknowns: while no limit is active the solution is that of a linear system.
+Asked for, thirty rows for a robot of thirty joints: the paper's outputs on the virtual angles (3), over beta or over
+the sway, its FRI target N_x = p_y F_z and the centre of pressure forwards N_y = -p_x F_z, both lengths of the virtual
+legs, pitch and yaw of the pelvis, the swing sole forwards, in pitch and yaw, and every joint outside the legs at its
+posture. As many rows as unknowns: while no limit is active the solution is that of a linear system.
 """
 
 from typing import NamedTuple
@@ -113,18 +113,21 @@ class TaskRows:
 
         A, b = A[NATURE:], b[NATURE:]
         frontal, wanted = state.frontal(stance), targets.frontal
-        A[OUTPUTS, :nv] = frontal.J[1:] - wanted.h_d1[:, None] * frontal.J[0]
-        b[OUTPUTS] = wanted.ddy + wanted.h_d2_dbeta2 - frontal.drift[1:] + wanted.h_d1 * frontal.drift[0]
+        sway = targets.sway
+        J, drift = (frontal.J[0], frontal.drift[0]) if sway is None else (sway.J, sway.drift)
+        A[OUTPUTS, :nv] = frontal.J[1:] - wanted.h_d1[:, None] * J
+        b[OUTPUTS] = wanted.ddy + wanted.h_d2_dbeta2 - frontal.drift[1:] + wanted.h_d1 * drift
         _, _, fz, mx, my, _ = range(nv, nv + WRENCH)
         A[FRI, mx], A[FRI, fz] = 1.0, stance.sign * wanted.p_fri  # y = -sign h
         A[COP, my], A[COP, fz] = 1.0, targets.cop_x
         b[FRI] = b[COP] = 0.0
         firm = max(soft, s.length_softness)
-        for i, side in enumerate((stance, swing)):
+        for i, (side, asked) in enumerate(((stance, targets.stance_length), (swing, targets.swing_length))):
             leg = state.legs[side]
             A[LENGTHS.start + i, :nv] = leg.J[LENGTH]
-            error = leg.values[LENGTH] - state.lengths[side]
-            b[LENGTHS.start + i] = _held(s.length, firm, error, leg.rates[LENGTH]) - leg.drift[LENGTH]
+            error = leg.values[LENGTH] - state.lengths[side] - asked.offset
+            back = _held(s.length, firm, error, leg.rates[LENGTH] - asked.rate)
+            b[LENGTHS.start + i] = asked.acceleration + back - leg.drift[LENGTH]
         pelvis = state.pelvis
         A[PELVIS, :nv] = pelvis.J[PITCH:]
         b[PELVIS] = _held(s.pelvis, soft, pelvis.angles[PITCH:], pelvis.rates[PITCH:]) - pelvis.drift[PITCH:]

@@ -15,6 +15,7 @@ All in the *heading frame*: at the world's origin, turned about Z to where the r
 
 from dataclasses import dataclass
 from math import asin, atan2, cos, sin, sqrt
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -102,6 +103,22 @@ class FrontalCoordinates:
     drift: FloatArray
 
 
+class Sway(NamedTuple):
+    """How far the centre of mass is inwards of the stance ankle, which is taken to be at rest.
+
+    Attributes:
+        value: [m].
+        rate: [m/s].
+        J: (nv,) Jacobian.
+        drift: its acceleration where the robot does not accelerate [m/s^2].
+    """
+
+    value: float
+    rate: float
+    J: FloatArray
+    drift: float
+
+
 class SpaceState:
     """A free robot at one state: what a controller and a theorem need of it.
 
@@ -179,13 +196,15 @@ class SpaceState:
         self.q, self.v, self.heading = q, v, heading
         self.M = pin.crba(model, data, q, pin.Convention.WORLD)
         self.bias = pin.nonLinearEffects(model, data, q, v)
-        pin.centerOfMass(model, data, q, v, False)
+        pin.centerOfMass(model, data, q, v, self._still, False)
         pin.forwardKinematics(model, data, q, v, self._still)
         self._turn = turn = _about_z(heading)
         self.com, self.com_velocity = turn @ data.com[0], turn @ data.vcom[0]
+        self._com_drift = turn @ data.acom[0]
 
         root = data.oMi[1]
-        R, position = turn @ root.rotation, turn @ root.translation
+        self._R = R = turn @ root.rotation
+        position = turn @ root.translation
         J, moved_v, moved_a = self._moved_J, self._moved_v, self._moved_a
         # the free-flyer's velocity is in its own axes, R (dv + omega x v) its classical acceleration
         J[0:3, 0:3] = J[3:6, 3:6] = R
@@ -270,6 +289,20 @@ class SpaceState:
         """
         S = _FRONTAL[stance]
         return FrontalCoordinates(UPRIGHT + S @ self._values, S @ self._rates, S @ self._J, S @ self._drift)
+
+    def sway(self, stance: Stance) -> Sway:
+        """The sway, for a foot taken as the stance foot.
+
+        Args:
+            stance: the stance foot.
+        """
+        inwards = -stance.sign
+        ahead = self.com[Y] - self.feet[stance].position[Y]
+        # the free-flyer's rows of M are the momentum in the root link's axes
+        J = (inwards / float(self._data.mass[0])) * (self._R[Y] @ self.M[LINEAR])
+        return Sway(
+            inwards * float(ahead), inwards * float(self.com_velocity[Y]), J, inwards * float(self._com_drift[Y])
+        )
 
     def clearance(self, side: Stance) -> float:
         """Height of the lowest corner of a foot's sole above z = 0 [m]."""

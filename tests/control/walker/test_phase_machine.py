@@ -75,6 +75,20 @@ def test_a_foot_that_stays_on_uneven_ground_has_not_left_it(height):
     assert (machine.scuffs, machine.early_landings) == (0, 0)
 
 
+@pytest.mark.parametrize("stood", [0.0, 0.01])
+def test_what_is_high_depends_on_where_the_foot_stood(stood):
+    """A foot on ground 10 mm higher than the new stance foot's has not left it at 10 mm."""
+    machine = PhaseMachine(H)
+    machine.stands(stood)
+    landed = [machine.landing(True, 0.01) for _ in range(100)]
+    assert any(landed) == (stood == 0.0)
+    machine.reset()
+    machine.stands(stood)
+    for _ in range(10):
+        machine.landing(True, stood + 2.0 * PhaseSettings().standing)
+    assert machine._lifted
+
+
 def test_a_foot_high_above_the_ground_has_left_it_whatever_its_flag_says():
     machine = PhaseMachine(H)
     for _ in range(50):

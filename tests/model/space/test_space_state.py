@@ -48,6 +48,9 @@ def random_states(space, seed, count=4):
         yield q, rng.uniform(-1.0, 1.0, free.model.nv), float(rng.uniform(-2.0, 2.0))
 
 
+SWAY = 2e-3
+"""Largest distance of the centre of mass in space from the planar one [m]: legs averaged, knees apart forwards."""
+
 SEEN = {
     "pelvis": lambda at: (at.pelvis.angles, at.pelvis.rates, at.pelvis.J, at.pelvis.drift),
     **{
@@ -63,6 +66,9 @@ SEEN = {
             ),
             "stance coordinates": lambda at, side=side: tuple(
                 getattr(at.frontal(side), k) for k in ("q", "dq", "J", "drift")
+            ),
+            "sway over a foot at rest": lambda at, side=side: (
+                [-side.sign * at.com[Y]], [at.sway(side).rate], at.sway(side).J[None], [at.sway(side).drift],
             ),
         }.items()
     },
@@ -259,6 +265,19 @@ def test_places_in_the_plane_do_not_know_how_far_the_feet_are_apart(bent, lean, 
     # and the pelvis has rolled by what the plane says
     roll = -stance.sign * float(FrontalBiped.pelvis_roll(frontal))
     assert space.at(q, np.zeros(free.model.nv)).pelvis.angles[ROLL] == pytest.approx(roll, abs=1e-9)
+
+
+@given(lean=vectors(-0.12, 0.12), ahead=st.floats(-0.08, 0.08), stance=st.sampled_from(Stance))
+def test_the_sway_is_the_planar_centre_of_mass(bent, lean, ahead, stance):
+    """And does not know how far the feet are apart either."""
+    biped, space = bent
+    free = space.free
+    frontal = UPRIGHT + lean
+    for apart in (0.0, ahead):
+        q = posed(space, stance, frontal, apart, free.posture[X])
+        sway = space.at(q, np.zeros(free.model.nv)).sway(stance)
+        assert sway.value == pytest.approx(biped.com(frontal)[0], abs=SWAY)
+        assert sway.rate == 0.0
 
 
 @given(lean=vectors(-0.1, 0.1), rates=vectors(-1.0, 1.0), ahead=st.floats(-0.08, 0.08), stance=st.sampled_from(Stance))
