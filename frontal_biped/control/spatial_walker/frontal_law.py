@@ -50,7 +50,7 @@ class FrontalSettings:
         settle: time after a landing when the virtual constraints begin anew, from what is measured [s]; 0: never.
     """
 
-    energy: EnergySettings | None = field(default_factory=EnergySettings)
+    energy: EnergySettings | None = field(default_factory=lambda: EnergySettings(blank=0.025))
     learning: float = 0.5
     settle: float = 0.03
 
