@@ -23,7 +23,7 @@ import numpy as np
 import frontal_biped as fb
 from frontal_biped.model import models_dir
 from frontal_biped.simulation.space.pushes import SpatialPush
-from frontal_biped.simulation.space.soles import pressure_in_sole
+from frontal_biped.simulation.space.soles import pressure_in_sole, standing
 from frontal_biped.simulation.space.steps import step_table
 
 STEPS = 8
@@ -49,8 +49,8 @@ def main() -> None:
     run = fb.walk_spatial(robot, gait, speed=FORWARDS, steps=STEPS, pushes=(PUSH,))
     steps = step_table(run)
     step_time, speed = float(np.median(steps.duration)), float(np.mean(steps.speed[-LAST:]))
-    loaded = run.wrench[:, :, 2] > BEARS * robot.weight
-    ahead = pressure_in_sole(run)[..., 0]  # of either foot
+    loaded = standing(run) & (run.wrench[:, :, 2] > BEARS * robot.weight)
+    ahead = pressure_in_sole(run)[..., 0]  # of either foot, while it is the stance foot
     margin = min(
         float(np.min(np.minimum(cop + sole.back, sole.front - cop)[on]))
         for cop, on, sole in zip(ahead.T, loaded.T, robot.robot.soles, strict=True)

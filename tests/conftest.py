@@ -21,7 +21,7 @@ Each claim, how it is held, what was measured, and the tests that hold it:
   control/spatial_walker/test_sagittal_law.py
 * The walker in space by itself: base from a foot at rest, 1e-9; time to landing against the orbit, and against the full
   planar model from 1 % off its speed, 3 % of a step; a rigid foot without a simulator, step time within 5 %.
-  control/spatial_walker/test_spatial_estimator.py, control/spatial_walker/test_landing_and_swing.py,
+  control/spatial_walker/test_spatial_estimator.py, zero_dynamics/test_sway_orbit.py,
   control/spatial_walker/test_spatial_walker.py
 * Walks in MuJoCo with every joint free: five robots four or six steps on the spot, step time within 1 % (talos_full),
   3 % (romeo_bent, icub_bent), 5 %; talos_full ten steps at 0.2 m/s, with noise and 3 ms of delay too, step time within

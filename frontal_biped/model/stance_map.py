@@ -42,6 +42,8 @@ class Stance(Enum):
         """
         return 1.0 if self is Stance.LEFT else -1.0
 
+    __hash__ = object.__hash__  # members are single; Enum's own is a Python call, some fifty in a control tick
+
     @classmethod
     def of_sign(cls, sign: float) -> "Stance":
         """The foot that `sign` stands for."""

@@ -9,7 +9,7 @@ from frontal_biped.scenarios.measured import largest, of_every_run, of_steps
 from frontal_biped.scenarios.preparation import Prepared
 from frontal_biped.scenarios.space_run import in_space
 from frontal_biped.simulation.space.run import SpatialRun
-from frontal_biped.simulation.space.soles import bearing, friction_used, pressure_in_sole
+from frontal_biped.simulation.space.soles import bearing, friction_used, pressure_in_sole, standing
 from frontal_biped.simulation.space.steps import step_table
 
 LOADED = 0.1
@@ -21,9 +21,10 @@ def spatial_measures(prepared: Prepared, run: SpatialRun) -> dict[str, float]:
     free, _ = in_space(prepared)
     measured, steps = run.settings.get("measured", {}), step_table(run)
     loaded = bearing(run) & (run.wrench[:, :, 2] > LOADED * free.weight)
+    stands = loaded & standing(run)
     ahead, across = [], []
     for foot, sole in enumerate(free.soles):
-        x, y = pressure_in_sole(run)[loaded[:, foot], foot].T
+        x, y = pressure_in_sole(run)[stands[:, foot], foot].T
         ahead += [x + sole.back, sole.front - x]
         outwards = sole.side.sign * y
         across += [outwards + sole.inner, sole.outer - outwards]

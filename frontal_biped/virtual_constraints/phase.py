@@ -17,6 +17,8 @@ class StepPhase(Enum):
     RISING = "rising"
     FALLING = "falling"
 
+    __hash__ = object.__hash__  # as `Stance`
+
     @property
     def sign(self) -> float:
         """Sign of dbeta, +1 rising and -1 falling: how runs store the phase."""

@@ -84,7 +84,19 @@ class SwayedPhase:
         ds = np.array([float(biped.com_velocity(*at)[0]) for at in zip(motion.q, motion.dq, strict=True)])
         slopes = np.column_stack([motion.dq[:, 1:], motion.dp_fri]) / ds[:, None]
         first, last = slopes[order[0]], slopes[order[-1]]
-        self.path = CubicSpline(s[order], along[order], bc_type=((1, first), (1, last)))
+        spline = CubicSpline(s[order], along[order], bc_type=((1, first), (1, last)))
+        self._knots, self._cubics = spline.x[1:-1].copy(), np.ascontiguousarray(spline.c.transpose(1, 0, 2))
+        self._first = spline.x[:-1].copy()
+
+    def path(self, s: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Joints and FRI target (4,) at a sway [m], their first and second derivatives with respect to it.
+
+        SciPy's own evaluation answers arrays, and would take a quarter of a control tick for one point.
+        """
+        piece = int(self._knots.searchsorted(s))
+        d = s - self._first.item(piece)
+        c3, c2, c1, c0 = self._cubics[piece]
+        return ((c3 * d + c2) * d + c1) * d + c0, (c3 * (3.0 * d) + c2 * 2.0) * d + c1, c3 * (6.0 * d) + c2 * 2.0
 
     def begun_as_planned(self) -> "BegunPhase":
         """The phase as it was planned."""
@@ -115,7 +127,7 @@ class BegunPhase:
     """
 
     def __init__(self, planned: SwayedPhase, s: float, error: FloatArray, slope_error: FloatArray) -> None:
-        self._path = planned.path
+        self._planned = planned
         sense = 1.0 if planned.end > planned.start else -1.0
         self._start = s
         self._length = sense * max(sense * (planned.end - s), LEAST_RANGE)
@@ -143,18 +155,18 @@ class BegunPhase:
     def _inside(self, u: float) -> SwayTargets:
         k, length = self._stretch, self._length
         t = self._from + k * length * u
-        value, first, second = self._path(t), self._path(t, 1)[BODY], self._path(t, 2)[BODY]
+        value, first, second = self._planned.path(t)
         w = 1.0 - u
         h = value[BODY] + self._error * ((1.0 + 2.0 * u) * w * w)
-        h1 = first * k + self._error * (-6.0 * u * w / length)
-        h2 = second * k**2 + self._error * (-6.0 * (1.0 - 2.0 * u) / length**2)
+        h1 = first[BODY] * k + self._error * (-6.0 * u * w / length)
+        h2 = second[BODY] * k**2 + self._error * (-6.0 * (1.0 - 2.0 * u) / length**2)
         x = u / SLOPE_SHARE
         if x < 1.0:
             w, short = 1.0 - x, SLOPE_SHARE * length
             h = h + self._slope_error * (short * x * w * w)
             h1 = h1 + self._slope_error * (w * w - 2.0 * x * w)
             h2 = h2 + self._slope_error * ((2.0 * x - 4.0 * w) / short)
-        return SwayTargets(h, h1, h2, float(value[-1]))
+        return SwayTargets(h, h1, h2, value.item(3))
 
 
 def sways(biped: FrontalBiped, q: FloatArray) -> FloatArray:

@@ -34,6 +34,9 @@ POINTS = 129
 LONGEST = 1.5
 """Longest time to landing that is told, in steps: a robot near its equilibrium would stand for ever."""
 
+BEYOND = 0.1
+"""How far past the reversal the time of a fall from rest is tabulated [m]."""
+
 SLOWEST = 1e-9
 """Sum of two speeds below which a piece counts as one without energy [m/s]."""
 
@@ -80,19 +83,24 @@ class SwayOrbit:
         self._first_fri = float(rising.motion.p_fri[np.argmax(rising.tau)])
         reversal_fri = float(rising.motion.p_fri[np.argmin(rising.tau)])
         self._turning = self.omega**2 * (self.reversal - reversal_fri)
+        turns = np.append(np.linspace(self.reversal - BEYOND, float(down[0]), POINTS)[:-1], down)
+        self._from_rest = turns, np.array([self._fall(float(s), 0.0) for s in turns])
 
-    def energy(self, phase: StepPhase, s: FloatArray) -> FloatArray:
-        """E (n,) [m^2/s^2] at sways s (n,) [m], beyond the phase's ends too; negative where the orbit does not come."""
+    def energy(self, phase: StepPhase, s: float) -> float:
+        """E [m^2/s^2] at a sway [m], beyond the phase's ends too; negative where the orbit does not come."""
         grid = self._s[phase]
-        first, last, p = float(grid[0]), float(grid[-1]), self._first_fri
-        inside = np.interp(s, grid, self._energy[phase])
-        short = self._turning * np.minimum(s - first, 0.0)
-        wide = np.maximum(s, last)
-        return np.asarray(inside + short + 0.5 * self.omega**2 * ((wide - p) ** 2 - (last - p) ** 2), dtype=np.float64)
+        first, last = grid.item(0), grid.item(-1)
+        if s < first:
+            return self._energy[phase].item(0) - self._turning * (first - s)
+        inside = float(np.interp(s, grid, self._energy[phase]))
+        if s <= last:
+            return inside
+        p = self._first_fri
+        return inside + 0.5 * self.omega**2 * ((s - p) ** 2 - (last - p) ** 2)
 
     def error(self, phase: StepPhase, s: float, ds: float) -> float:
         """e = ds^2/2 - E(s) [m^2/s^2]."""
-        return 0.5 * ds**2 - float(self.energy(phase, np.array([s]))[0])
+        return 0.5 * ds**2 - self.energy(phase, s)
 
     def half_way(self, phase: StepPhase) -> float:
         """Sway in the middle of a phase [m]."""
@@ -110,43 +118,51 @@ class SwayOrbit:
             left = self._fall(s, max(ds, 0.0))
         else:
             left, turn = self._rise(s, ds)
-            left += self._fall(turn, 0.0)
+            left += float(np.interp(turn, *self._from_rest))
         return min(left, LONGEST * self.duration)
 
     def _rise(self, s: float, ds: float) -> tuple[float, float]:
         """Time to the reversal [s] and sway there [m]."""
         time = 0.0
-        if s > self.reversal:
-            grid = np.linspace(s, self.reversal, POINTS)
-            energy = self._led_back(StepPhase.RISING, grid, ds)
-            spent = np.flatnonzero(energy[1:] <= 0.0)
-            if len(spent):  # turns before
+        grid = self._s[StepPhase.RISING]
+        if s > grid[0]:
+            behind = int(np.searchsorted(grid, s))
+            way = np.append(grid[:behind], s)[::-1]
+            energy = self._led_back(StepPhase.RISING, way, slice(0, behind), s, ds)
+            if energy.min() <= 0.0 and (spent := np.flatnonzero(energy[1:] <= 0.0)).size:  # turns before
                 k = int(spent[0])
                 share = energy[k] / (energy[k] - energy[k + 1])
-                turn = float(grid[k] + share * (grid[k + 1] - grid[k]))
-                return _time(np.append(grid[: k + 1], turn), np.append(energy[: k + 1], 0.0)), turn
-            time = _time(grid, energy)
-            s, ds = self.reversal, -float(np.sqrt(2.0 * energy[-1]))
+                turn = float(way[k] + share * (way[k + 1] - way[k]))
+                return _time(np.append(way[: k + 1], turn), np.append(energy[: k + 1], 0.0)), turn
+            time = _time(way, energy)
+            s, ds = grid.item(0), -float(np.sqrt(2.0 * energy[-1]))
         return time - ds / self._turning, s - 0.5 * ds**2 / self._turning
 
     def _fall(self, s: float, ds: float) -> float:
         """Time to the end of the falling phase [s]."""
-        end = float(self._s[StepPhase.FALLING][-1])
-        if s >= end:
+        grid = self._s[StepPhase.FALLING]
+        if s >= grid[-1]:
             return 0.0
-        grid = np.linspace(s, end, POINTS)
-        return _time(grid, np.maximum(self._led_back(StepPhase.FALLING, grid, ds), 0.0))
+        ahead = int(np.searchsorted(grid, s, side="right"))
+        way = np.concatenate([[s], grid[ahead:]])
+        energy = self._led_back(StepPhase.FALLING, way, slice(ahead, None), s, ds)
+        return _time(way, np.maximum(energy, 0.0))
 
-    def _led_back(self, phase: StepPhase, grid: FloatArray, ds: float) -> FloatArray:
-        """(n,) ds^2/2 along a way that begins with a speed, its error dying out."""
-        way = np.abs(grid - grid[0]) / (self._decay * self.ranges[phase])
-        energy = self.energy(phase, grid)
-        return np.asarray(energy + (0.5 * ds**2 - energy[0]) * np.exp(-way), dtype=np.float64)
+    def _led_back(self, phase: StepPhase, way: FloatArray, passed: slice, s: float, ds: float) -> FloatArray:
+        """(n,) ds^2/2 along a way over points of the table that begins at s with a speed, its error dying out."""
+        e, length = self.error(phase, s, ds), self._decay * self.ranges[phase]
+        inside = self._energy[phase][passed]
+        if phase is StepPhase.RISING:
+            inside = inside[::-1]
+        energy = e * np.exp(-np.abs(way - s) / length)
+        energy[0] = 0.5 * ds**2
+        energy[1:] += inside
+        return energy
 
 
 def _time(s: FloatArray, energy: FloatArray) -> float:
     """[s] along a way; pieces without energy are left out."""
     speeds = np.sqrt(2.0 * energy)
-    speeds = speeds[:-1] + speeds[1:]
-    moves = speeds > SLOWEST
-    return float(np.sum(2.0 * np.abs(np.diff(s))[moves] / speeds[moves]))
+    both = speeds[:-1] + speeds[1:]
+    both[both < SLOWEST] = np.inf
+    return 2.0 * float(np.abs((s[1:] - s[:-1]) / both).sum())

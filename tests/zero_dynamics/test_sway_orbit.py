@@ -75,7 +75,7 @@ def test_a_controller_takes_the_error_off(robot):
     step = robot.gait.step(robot.biped)
     kept, led_back = (SwayOrbit(robot.biped, step.rising, step.falling, decay) for decay in (np.inf, 0.6))
     s = kept.half_way(StepPhase.FALLING)
-    speed = float(np.sqrt(2.0 * kept.energy(StepPhase.FALLING, np.array([s]))[0]))
+    speed = float(np.sqrt(2.0 * kept.energy(StepPhase.FALLING, s)))
     for share in (0.7, 1.3):
         planned = kept.left(StepPhase.FALLING, s, speed)
         late = [each.left(StepPhase.FALLING, s, share * speed) - planned for each in (kept, led_back)]
@@ -94,6 +94,6 @@ def test_beyond_the_ends(robot, orbit):
     assert orbit.left(StepPhase.FALLING, far + 0.01, 0.3) == 0.0
     assert 0.0 < orbit.left(StepPhase.FALLING, top - 0.2, 0.0) <= LONGEST * orbit.duration
     # a start further inwards takes more energy to the same reversal
-    s = np.array([far, far + 0.01, far + 0.02])
-    assert (np.diff(orbit.energy(StepPhase.RISING, s)) > 0.0).all()
-    assert orbit.energy(StepPhase.RISING, np.array([top - 0.01]))[0] < 0.0
+    energies = [orbit.energy(StepPhase.RISING, s) for s in (far, far + 0.01, far + 0.02)]
+    assert (np.diff(energies) > 0.0).all()
+    assert orbit.energy(StepPhase.RISING, top - 0.01) < 0.0

@@ -1,7 +1,5 @@
 """Minimum-jerk motions to goals that move: the swing sole's way forwards, and what else is led somewhere in time."""
 
-import numpy as np
-
 FROZEN = 0.25
 """Last share of a step in which the path stays as it is: the jerk of a late change grows as 1/(time left)^3."""
 
@@ -36,7 +34,7 @@ class MinimumJerk:
         x = self.x + h * self.dx + 0.5 * h**2 * self.ddx + c3 * h**3 + c4 * h**4 + c5 * h**5
         dx = self.dx + h * self.ddx + 3.0 * c3 * h**2 + 4.0 * c4 * h**3 + 5.0 * c5 * h**4
         ddx = self.ddx + 6.0 * c3 * h + 12.0 * c4 * h**2 + 20.0 * c5 * h**3
-        self.x, self.dx, self.ddx = x, dx, float(np.clip(ddx, -LARGEST, LARGEST))
+        self.x, self.dx, self.ddx = x, dx, min(max(ddx, -LARGEST), LARGEST)
 
     def coast(self, speed: float, period: float) -> None:
         """One control period on at a speed [m/s]."""

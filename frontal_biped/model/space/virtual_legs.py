@@ -162,6 +162,7 @@ class SpaceState:
             r = ankle - hip
             self._angle[side] = float(np.arctan2(r[Y], -r[Z]))
             self.lengths[side] = float(np.hypot(r[Y], r[Z]))
+        self._frontal: dict[Stance, FrontalCoordinates] = {}
         self._corners = dict(zip((Stance.LEFT, Stance.RIGHT), (sole.corners for sole in free.soles), strict=True))
 
         # What moves: root link, left sole, right sole; linear then angular. Everything else is rows times that.
@@ -196,8 +197,7 @@ class SpaceState:
         self.q, self.v, self.heading = q, v, heading
         self.M = pin.crba(model, data, q, pin.Convention.WORLD)
         self.bias = pin.nonLinearEffects(model, data, q, v)
-        pin.centerOfMass(model, data, q, v, self._still, False)
-        pin.forwardKinematics(model, data, q, v, self._still)
+        pin.centerOfMass(model, data, q, v, self._still, False)  # with the kinematics of all joints
         self._turn = turn = _about_z(heading)
         self.com, self.com_velocity = turn @ data.com[0], turn @ data.vcom[0]
         self._com_drift = turn @ data.acom[0]
@@ -228,6 +228,7 @@ class SpaceState:
             foot, moved = self.feet[side], _MOVED[side]
             self._turned(_FOOT[side], moved.start, foot.rotation.tolist(), moved_v[moved].tolist()[3:])
             self._leg(side, foot, R, position, omega)
+        self._frontal.clear()
         np.dot(self._rows, J, out=self._J)
         np.dot(self._rows, moved_v, out=self._rates)
         self._drift += self._rows @ moved_a
@@ -287,8 +288,12 @@ class SpaceState:
         Args:
             stance: the stance foot.
         """
-        S = _FRONTAL[stance]
-        return FrontalCoordinates(UPRIGHT + S @ self._values, S @ self._rates, S @ self._J, S @ self._drift)
+        found = self._frontal.get(stance)
+        if found is None:
+            S = _FRONTAL[stance]
+            found = FrontalCoordinates(UPRIGHT + S @ self._values, S @ self._rates, S @ self._J, S @ self._drift)
+            self._frontal[stance] = found
+        return found
 
     def sway(self, stance: Stance) -> Sway:
         """The sway, for a foot taken as the stance foot.

@@ -40,7 +40,7 @@ class SpatialRun:
         sole_yaw: (T, 2) where they point, about Z from X [rad].
         frontal_q: (T, 4) true frontal state of the stance leg [rad].
         frontal_dq: (T, 4) [rad/s].
-        frontal_y: (T, 3) output error q_b - h_d(beta) [rad].
+        frontal_y: (T, 3) output error q_b - h_d [rad].
         p_fri: (T,) true FRI, along h from the stance ankle [m]; nan while the foot does not bear.
         p_fri_target: (T,) wanted FRI [m].
         cop_x: (T,) centre of pressure ahead of the stance ankle, in the foot's axes [m]; nan likewise.

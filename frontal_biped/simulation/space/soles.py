@@ -67,6 +67,12 @@ def bearing(run: SpatialRun) -> "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
     return load > BEARING * max(float(load.max(initial=0.0)), 1e-9)
 
 
+def standing(run: SpatialRun) -> "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]":
+    """(T, 2) is the left, the right foot the stance foot? Under one that leaves, pressure has to come to an edge."""
+    signs = [Stance.LEFT.sign, Stance.RIGHT.sign]
+    return np.asarray(np.sign(run.stance)[:, None] == np.array(signs)[None, :])
+
+
 def pressure_in_sole(run: SpatialRun) -> FloatArray:
     """(T, 2, 2) centres of pressure in their soles' axes, x forwards, y to the left [m]; nan off the ground."""
     offset = _pressure_offset(run)
