@@ -259,9 +259,9 @@ class PeerWalker:
             accelerations[0],
             self._posture,
             soft,
-            accelerations[1],
-            up,
-            stretch,
+            sideways=accelerations[1],
+            upwards=up,
+            stretch=stretch,
         )
         solution = self.program.solve(state, targets)
         self._sent = solution.dv
