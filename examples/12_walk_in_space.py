@@ -9,10 +9,10 @@ You should see:
     to hold in space   CoP up to 8.1 mm ahead of the ankle, yaw moment up to 3.9 N m
     landing            19.2 N s in the plane, 3.3 N s with every joint free
     outcome            completed, 8 steps, 0.88 m
-    pushed             8 N s to the left: step 0.797 s, the next 0.724 s
-    speed              0.194 m/s in the last 3 steps, commanded 0.2
-    step time          median 0.728 s, closed form 0.728 s
-    CoP                58 mm inside the ends of the sole
+    pushed             8 N s to the left: step 0.762 s, the next 0.717 s
+    speed              0.198 m/s in the last 3 steps, commanded 0.2
+    step time          median 0.722 s, closed form 0.728 s
+    CoP                76 mm inside the ends of the sole
     yaw drift          0.00 degrees
 
 Push harder, or set FORWARDS = -0.1, and see what it takes.

@@ -38,26 +38,31 @@ speed: simulated time waits for it, a robot would need a table of its answers.
 `benchmark_library.py` has the rate of a library on one and two processes, `benchmark_mujoco.py` what MuJoCo makes of
 the gaits.
 
-**In space**, talos, 1 kHz, exact sensors, MuJoCo. `benchmark_space_peer.py`: a divergent-component law in both planes
-on the same whole-body program, estimator and plant, tuned by a sweep (steps of 0.50 s, 0.204 m wide, k = 3/s):
+**In space**, 1 kHz, exact sensors, MuJoCo, 16 quiet cores, a process each. `benchmark_space_peer.py`, talos_bent: a
+divergent-component law in both planes on the same whole-body program, estimator and plant, tuned by a sweep on
+talos_full (steps of 0.50 s, 0.204 m wide, k = 3/s):
 
-                                                ours         peer         peer, 0.73 s
-    fastest of those tried, 30 steps, m/s       0.4          0.8          0.5
-      the next faster one tried                 0.5          1.0          0.7
-    largest push of 10, 20, 30, 40 N s on the spot
-    after a landing, +x, -x, +y, -y, N s        30 30 20 10  40 40 30 20
-    half-way through a step                     40 40 40 30  40 40 40 20
-    torque squared, (N m)^2, on the spot        15100        17900        18400
-    the same per metre at 0.3 m/s               57500        66300        64500
+                                                ours         peer
+    fastest of those tried, 30 steps, m/s       0.6          0.8, the fastest tried
+      the next faster one tried                 0.7 falls
+    largest push of 10 to 50 N s on the spot, 50 ms
+    after a landing, +x, -x, +y, -y, N s        40 50 50 10  50 50 30 20
+    half-way through a step                     50 50 40 30  50 50 50 20
+    torque squared, (N m)^2, on the spot        15300        17800
+    the same per metre at 0.3 m/s               54400        66000
+    ground within 5 mm, 20 steps at 0.2 m/s     4 of 4       2 of 4
 
-With its own short steps the peer walks twice as fast and bears more soon after a landing; with our step duration the
-difference in speed is small. Ours bears more outwards half-way, and takes a seventh less torque.
+With its short steps the peer is faster and bears more outwards soon after a landing. Ours needs a sixth less torque and
+walks on uneven ground. (A peer with steps as long as ours was tried on talos_full before: 0.5 m/s.)
 
-`benchmark_space_ablations.py`, 20 steps: without learning from step to step the frontal speed half-way down is 4 to 6 %
-low instead of 0.5 %, without the energy law it drifts to half; joint PD in place of the program falls within 8 steps.
-The roll joints as outputs change little on talos, whose legs are yaw, roll, pitch; with a phase read from the stance
-ankle's joint as well, against a foot that tilts by some 0.3 mrad in soft contact, it falls within 11 steps.
+`benchmark_space_ablations.py`, talos_full, 20 steps at 0.2 m/s: with the ankle angle as the phase the speed half-way
+down is 7 % low, and on ground within 5 mm talos_bent falls in three of four walks of 20 steps, after 6 to 15; over the
+sway, and without drawing the legs up, none of four falls. Without the energy law the speed is 11 % low and falling.
+Roll joints as outputs change nothing on talos, whose legs are yaw, roll, pitch. Joint PD in place of the program falls
+within nine steps.
 
-`benchmark_space_tick.py`, on a busy machine: a tick is 3.2 to 3.7 times bare ProxQP on the same matrices in the median,
-1.2 times at 99 %; TSID was not built.
+`benchmark_space_tick.py --robot talos_bent`: a tick takes 0.51 ms in the median, 0.63 to 0.86 ms at 99 %, 1.3 ms at
+most on a quiet server core (Python 3.12), 4.2 times bare ProxQP on the same matrices, and a simulated second of the
+whole walk 0.79 s. On a slower desk machine (Python 3.11) 0.95 to 1.03 ms, 5.5 times ProxQP, 3.2 to 3.5 times the tick
+of TSID 1.10 built from source.
 """
