@@ -12,6 +12,7 @@ from frontal_biped.gait.gait import Gait
 from frontal_biped.virtual_constraints import Phase
 
 
+@pytest.mark.slow
 def test_designed_gaits_are_certified(biped, reference_gait, level_gait):
     for gait in (reference_gait, level_gait):
         analysis = analyze(biped, gait)

@@ -61,6 +61,7 @@ def test_edges_of_a_basin_are_edges(biped, level_gait):
     assert basin.low < 0.9 < 1.2 < basin.high
 
 
+@pytest.mark.slow
 def test_card_of_worker_processes_is_the_same(biped, robust_gait, card: RobustnessCard):
     with worker_processes(2) as executor:
         shared = robustness_card(biped, robust_gait, stabilisers=("ankle",), instants=(), executor=executor)

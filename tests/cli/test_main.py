@@ -185,6 +185,7 @@ class TestGoodInput:
         assert word in error and error.count("\n") == 1
         assert not folder.exists()
 
+    @pytest.mark.slow
     def test_view_and_plot_of_both_models(self, gait_file, run_file, tmp_path, capsys):
         page = tmp_path / "page.html"
         assert main(["view", str(run_file), "--html", str(page)]) == 0

@@ -62,6 +62,7 @@ def outcome(results):
     return [[repr((trial.measured, trial.drawn, trial.outcome)) for trial in result.results] for result in results]
 
 
+@pytest.mark.slow
 def test_threads_give_the_numbers_of_one_process(noisy):
     noisy = replace(noisy, speed_error=0.003)  # what is run is the scenario given, not what its file says
     alone = run_trials([noisy], repeat=3, seed=4)

@@ -33,6 +33,7 @@ def report(browser, biped, orbit, tmp_path_factory, complaints):
     page.close()
 
 
+@pytest.mark.slow
 def test_plays_by_itself_and_loops(report):
     _, frame = report
     assert frame.evaluate("viewer.animator.playing")

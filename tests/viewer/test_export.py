@@ -150,6 +150,7 @@ def test_missing_chromium_is_said_in_one_line(tmp_path, monkeypatch):
 
 
 @pytest.mark.browser
+@pytest.mark.slow
 def test_pictures_show_the_robot(chromium, biped, orbit, tmp_path):
     page = animation_page(biped, orbit, plots=False, theme="light")
     target = tmp_path / "walk.gif"

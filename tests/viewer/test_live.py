@@ -202,6 +202,7 @@ def test_the_port_can_be_chosen_and_a_taken_one_is_named(run_file, capsys):
 
 
 @pytest.mark.browser
+@pytest.mark.slow
 def test_used_in_a_browser_closed_and_ended_under_an_open_one(browser, run_file):
     with viewing(run_file) as (process, url):
         for _ in range(2):

@@ -94,6 +94,7 @@ def test_plays_by_itself_and_loops(opened):
     assert page.locator("#play").inner_text() == "Pause"
 
 
+@pytest.mark.slow
 def test_the_button_stops_and_starts_the_robot(opened):
     page = opened.page
     opened.pause()

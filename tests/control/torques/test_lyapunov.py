@@ -107,6 +107,7 @@ def test_v_falls_as_promised_on_the_robot(biped, reference_gait, clf_settings):
     assert values[-1] < 0.01 * values[0]
 
 
+@pytest.mark.slow
 def test_twenty_steps_sampled(biped, reference_gait, clf_settings):
     run = simulate(biped, reference_gait, steps=20, period=1e-3, controller_settings=clf_settings)
     assert run.steps_completed == 20
