@@ -73,8 +73,8 @@ class SpatialWalker:
         landings: so far.
 
     Raises:
-        SimulationError: the delay is no multiple of the period.
-        SimulationError: the centre of mass turns back along a phase of the gait.
+        SimulationError: the delay is no multiple of the period, or the centre of mass turns back along a phase of the
+            gait.
         RobotError: a leg has not six joints.
     """
 
