@@ -26,7 +26,8 @@ Each claim, how it is held, what was measured, and the tests that hold it:
   control/spatial_walker/test_spatial_estimator.py, zero_dynamics/test_sway_orbit.py,
   control/spatial_walker/test_spatial_walker.py
 * Walks in MuJoCo with every joint free: five robots four or six steps on the spot, step time within 1 %; talos_full ten
-  steps at 0.2 m/s, with noise and 3 ms of delay too, step time within 2 %, speed within 10 %. simulation/space/test_walk_spatial.py
+  steps at 0.2 m/s, with noise and 3 ms of delay too, step time within 2 %, speed within 10 %.
+  simulation/space/test_walk_spatial.py
 * Cost of the reference and level-pelvis gaits: from the default start, checked on a grid 40 times denser than the
   optimiser's; 210.2 and 405.6 N^2 m s. design/test_design.py
 * Hybrid invariance and energy balance of a gait file: residuals below 1e-9. design/test_design.py, gait/test_gait.py

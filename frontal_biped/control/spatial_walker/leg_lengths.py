@@ -2,8 +2,8 @@
 
 The plane knows no knees: its swing foot clears the ground by the sway of the pelvis alone. In space the swing leg is
 shortened as well and stretched again, so that it meets the ground with a speed of its own. On ground that comes too
-early it is shorter than planned then, on ground that does not come it goes on growing; either way the robot stands in
-the pose of the plane when it lands, as on flat ground. The leg that landed takes its length back while it carries the
+early it is shorter than planned then, on ground that does not come it goes on growing: the robot lands nearer to the
+pose of the plane than on legs that keep their length. The leg that landed takes its length back while it carries the
 robot, long before it is lifted.
 """
 
@@ -18,7 +18,7 @@ from frontal_biped.model.space.virtual_legs import ANGLE, LENGTH, SpaceState, X
 from frontal_biped.model.stance_map import Stance
 
 LEG_JOINTS = 6
-
+"""Of a leg that can be drawn up with its foot kept level."""
 
 PEAK = 1.875
 """Largest speed of a minimum-jerk motion from rest to rest, over its mean speed [-]."""

@@ -34,7 +34,6 @@ SOFT = (0.009, 0.039, 0.15)
 """After a landing the contact rings: feedback is at the last of these shares until the first of these times [s], and
 grows to all of it until the second."""
 
-
 TURNED = 0.004
 """Hysteresis of the sway's rate at a reversal [m/s]."""
 
