@@ -52,14 +52,15 @@ talos_full (steps of 0.50 s, 0.204 m wide, k = 3/s):
     the same per metre at 0.3 m/s               54400        66000
     ground within 5 mm, 20 steps at 0.2 m/s     4 of 4       2 of 4
 
-With its short steps the peer is faster and bears more outwards soon after a landing. Ours needs a sixth less torque and
-walks on uneven ground. (A peer with steps as long as ours was tried on talos_full before: 0.5 m/s.)
+With its short steps the peer is faster and bears more outwards soon after a landing. Ours needs a seventh less torque,
+a sixth less per metre, and walks on uneven ground. (A peer with steps as
+long as ours was tried on talos_full before: 0.5 m/s.)
 
-`benchmark_space_ablations.py`, talos_full, 20 steps at 0.2 m/s: with the ankle angle as the phase the speed half-way
-down is 7 % low, and on ground within 5 mm talos_bent falls in three of four walks of 20 steps, after 6 to 15; over the
-sway, and without drawing the legs up, none of four falls. Without the energy law the speed is 11 % low and falling.
-Roll joints as outputs change nothing on talos, whose legs are yaw, roll, pitch. Joint PD in place of the program falls
-within nine steps.
+`benchmark_space_ablations.py`, talos_full, 20 steps at 0.2 m/s, the ankle's rate half-way down: 4 % high with all of
+it, which holds the rate of the sway; 7 % low with the ankle angle as the phase, 11 % low and falling without the energy
+law. On ground within 5 mm talos_bent falls in three of four walks of 20 steps over the ankle angle, after 6 to 15; over
+the sway, and without drawing the legs up, none of four falls. Roll joints as outputs change nothing on talos, whose
+legs are yaw, roll, pitch. Joint PD in place of the program falls within ten steps.
 
 `benchmark_space_tick.py --robot talos_bent`: a tick takes 0.51 ms in the median, 0.63 to 0.86 ms at 99 %, 1.3 ms at
 most on a quiet server core (Python 3.12), 4.2 times bare ProxQP on the same matrices, and a simulated second of the

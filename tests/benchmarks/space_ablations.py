@@ -77,7 +77,7 @@ class AnkleLaw:
         stabiliser = ReanchoringTransitions(biped, gait, anticipate=False, rejoin=False)
         self.controller = QpController(biped, gait, limits, stabiliser)
         self._energy = EnergyLaw(biped, gait, walker.period, own.settings.energy or EnergySettings())
-        self._biped, self._room = biped, tuple(SHIFT_ROOM * end for end in biped.sole)
+        self._room = tuple(SHIFT_ROOM * end for end in biped.sole)
         self.offset = own.offset
         self.reset(Stance.LEFT)
 

@@ -13,12 +13,9 @@ import numpy as np
 
 from frontal_biped.control.spatial_walker.swing_path import MinimumJerk
 from frontal_biped.control.whole_body.targets import LegLength
-from frontal_biped.model.space.free_robot import BASE, FreeRobot
+from frontal_biped.model.space.free_robot import BASE
 from frontal_biped.model.space.virtual_legs import ANGLE, LENGTH, SpaceState, X
 from frontal_biped.model.stance_map import Stance
-
-LEG_JOINTS = 6
-"""Of a leg that can be drawn up with its foot kept level."""
 
 PEAK = 1.875
 """Largest speed of a minimum-jerk motion from rest to rest, over its mean speed [-]."""
@@ -50,7 +47,7 @@ class LegLengths:
     """Lengths of the legs, from landing to landing.
 
     Args:
-        free: the robot.
+        state: the robot at its posture, at rest.
         duration: of a step [s].
         settings: how they change.
 
@@ -61,11 +58,10 @@ class LegLengths:
         swing: of the swing leg.
     """
 
-    def __init__(self, free: FreeRobot, duration: float, settings: LengthSettings) -> None:
+    def __init__(self, state: SpaceState, duration: float, settings: LengthSettings) -> None:
         self.settings, self._duration = settings, duration
-        state = SpaceState(free)
         length = state.lengths[Stance.LEFT]
-        able = _able(free, state, settings, duration)
+        able = _able(state, settings, duration)
         self.lift, self._longest = able * settings.lift * length, able * settings.longest * length
         self._touchdown = able * settings.touchdown
         self._standing, self._swinging = MinimumJerk(), MinimumJerk()
@@ -102,17 +98,17 @@ class LegLengths:
         self.stance, self.swing = (LegLength(leg.x, leg.dx, leg.ddx) for leg in (self._standing, self._swinging))
 
 
-def _able(free: FreeRobot, state: SpaceState, settings: LengthSettings, duration: float) -> float:
+def _able(state: SpaceState, settings: LengthSettings, duration: float) -> float:
     """Share of the lift, from 0 to 1, that the leg's joints can do at the posture."""
-    side = Stance.LEFT
+    side, free = Stance.LEFT, state.free
     leg = np.array(free.leg(side))
     lift = settings.lift * state.lengths[side]
-    if len(leg) != LEG_JOINTS or lift == 0.0:
+    if lift == 0.0:
         return 0.0
     foot = state.feet[side]
     rows = np.vstack([state.legs[side].J[LENGTH], state.legs[side].J[ANGLE], foot.J[X], foot.turning.J])[:, BASE + leg]
     try:
-        turned = np.abs(np.linalg.solve(rows, np.eye(LEG_JOINTS)[0]))  # of the joints, per metre
+        turned = np.abs(np.linalg.solve(rows, np.eye(len(leg))[0]))  # of the joints, per metre
     except np.linalg.LinAlgError:  # straight legs
         return 0.0
     q, limits = free.posture[BASE + 1 + leg], free.limits

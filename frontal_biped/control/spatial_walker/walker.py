@@ -106,7 +106,7 @@ class SpatialWalker:
         duration = self.frontal.orbit.duration
         self.sagittal = SagittalLaw.of(self.state, duration, sagittal or SagittalSettings())
         self.swing = SwingPath()
-        self.lengths = LegLengths(free, duration, lengths or LengthSettings())
+        self.lengths = LegLengths(self.state, duration, lengths or LengthSettings())
         self._posture = free.posture[BASE + 1 :].copy()
         self._still = np.zeros(free.model.nv)
         self._asked = speed

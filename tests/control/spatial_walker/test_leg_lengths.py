@@ -23,7 +23,7 @@ def along(lengths, late=0.0):
 
 @pytest.fixture
 def lengths():
-    return LegLengths(whole("talos_bent").free, DURATION, LengthSettings())
+    return LegLengths(SpaceState(whole("talos_bent").free), DURATION, LengthSettings())
 
 
 def test_the_swing_leg_is_drawn_up_and_put_down(lengths):
@@ -64,8 +64,8 @@ def test_ground_that_does_not_come_is_sought(lengths):
 
 def test_legs_that_cannot_are_left_as_they_are():
     """The toy's ankle has no room to bend: its legs keep their length."""
-    toy = LegLengths(whole("simple_humanoid_bent").free, DURATION, LengthSettings())
-    talos = LegLengths(whole("talos_bent").free, DURATION, LengthSettings(lift=0.0))
+    toy = LegLengths(SpaceState(whole("simple_humanoid_bent").free), DURATION, LengthSettings())
+    talos = LegLengths(SpaceState(whole("talos_bent").free), DURATION, LengthSettings(lift=0.0))
     assert toy.lift < 2e-4
     assert talos.lift == 0.0
     assert np.array_equal(along(talos), np.zeros((round(DURATION / PERIOD), 2, 3)))
