@@ -167,6 +167,20 @@ class QpController:
             outer, inner = self.biped.sole
             shifted = min(max(targets.p_fri + fri_shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
             targets = targets._replace(p_fri=shifted)
+        return self.follow(phase, state, targets, y, dy)
+
+    def follow(self, phase: StepPhase, state: State, targets: Targets, y: FloatArray, dy: FloatArray) -> Command:
+        """Torques for targets at a state, wherever the targets come from.
+
+        Args:
+            phase: rising or falling.
+            state: stance coordinates.
+            targets: what is asked of it.
+            y: (3,) output that they are for [rad].
+            dy: (3,) its rate [rad/s].
+        """
+        if not isfinite(state.q.dot(state.q) + state.dq.dot(state.dq)):
+            return self._counted(self._held(), phase, state, "the state is not finite")
         answer = self.program.solve(state, targets)
         if answer is None:
             return self._counted(self._held(y, dy, targets.p_fri), phase, state, "the relaxed program is not solved")

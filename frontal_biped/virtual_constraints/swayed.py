@@ -18,6 +18,7 @@ a = (1 + 2u)(1 - u)^2 and b = x(1 - x)^2. Slopes fade sooner, by the share c: a 
 whole phase bends it. Past its ends a phase goes on with its slope, which dies out.
 """
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -169,17 +170,34 @@ class BegunPhase:
         return SwayTargets(h, h1, h2, value.item(3))
 
 
+def runs_one_way(biped: FrontalBiped, phases: Iterable[Phase]) -> bool:
+    """Does the centre of mass move one way along each of some phases, so that they can be followed over the sway?"""
+    for phase in phases:
+        motion = phase.motion(np.linspace(phase.beta_start, phase.beta_end, POINTS))
+        if not _one_way(_sways(biped, motion.q)):
+            return False
+    return True
+
+
 def sways(biped: FrontalBiped, q: FloatArray) -> FloatArray:
     """(n,) sway [m] of configurations q (n, 4) [rad] along a phase, from one end to the other.
 
     Raises:
         SimulationError: the sway does not run one way along them.
     """
-    s = np.array([float(biped.com(row)[0]) for row in q])
-    way = np.diff(s)
-    if not ((way > 0.0).all() or (way < 0.0).all()):
+    s = _sways(biped, q)
+    if not _one_way(s):
         raise SimulationError(
             f"{biped.name}: the centre of mass turns back along a phase of this gait, which can therefore not be walked"
             " in space; design one with a larger min_phase_range or a smaller max_pelvis_roll"
         )
     return s
+
+
+def _sways(biped: FrontalBiped, q: FloatArray) -> FloatArray:
+    return np.array([float(biped.com(row)[0]) for row in q])
+
+
+def _one_way(s: FloatArray) -> bool:
+    way = np.diff(s)
+    return bool((way > 0.0).all() or (way < 0.0).all())

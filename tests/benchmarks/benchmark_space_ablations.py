@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from frontal_biped.control.spatial_walker.frontal_law import FrontalSettings
+from frontal_biped.control.frontal_law import FrontalSettings
 from frontal_biped.control.spatial_walker.leg_lengths import LengthSettings
 from frontal_biped.control.spatial_walker.walker import SpatialWalker
 from frontal_biped.control.walker.phase_machine import PhaseMachine

@@ -7,9 +7,9 @@ import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.controller import SHIFT_ROOM, QpController
+from frontal_biped.control.frontal_law import FrontalTargets
 from frontal_biped.control.interface import PhaseEvent
 from frontal_biped.control.settings import ControllerSettings
-from frontal_biped.control.spatial_walker.frontal_law import FrontalTargets
 from frontal_biped.control.spatial_walker.walker import SpatialWalker
 from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
 from frontal_biped.control.torques.linearisation import StanceModel
@@ -17,9 +17,10 @@ from frontal_biped.control.walker.energy_law import EnergyLaw, EnergySettings
 from frontal_biped.control.whole_body.targets import WholeBodySolution, WholeBodyTargets
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.space.free_robot import BASE, FreeRobot
-from frontal_biped.model.space.virtual_legs import LENGTH, PITCH, FrontalCoordinates, SpaceState, Sway, X
+from frontal_biped.model.space.virtual_legs import LENGTH, PITCH, FrontalCoordinates, SpaceState, X
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
+from frontal_biped.model.sway import Sway
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 NEWTON_STEPS = 2
@@ -86,30 +87,30 @@ class AnkleLaw:
         self._energy.reset(stance)
         self.mid_fall, self._until_settled, self._begun = float("nan"), np.inf, False
 
-    def land(self, stance: Stance, sway: Sway, q: FloatArray, dq: FloatArray) -> None:
+    def land(self, stance: Stance, sway: Sway, state: State) -> None:
         """A foot has landed."""
         self._energy.land(stance)
-        self._begin(StepPhase.RISING, q, dq)
+        self._begin(StepPhase.RISING, *state)
         self._until_settled = self.settings.settle or np.inf
 
     def at(
         self,
         phase: StepPhase,
-        frontal: FrontalCoordinates,
+        state: State,
         sway: Sway,
         event: PhaseEvent | None,
         unexplained: float,
     ) -> FrontalTargets:
         """Targets at a state, over beta; what the model does not explain is left out."""
-        q, dq = frontal.q.copy(), frontal.dq.copy()
+        q, dq = state.q.copy(), state.dq.copy()
         self._until_settled -= self._period
         turned = event is PhaseEvent.REVERSAL or event is PhaseEvent.TURNED_OUTWARDS
         if turned or not self._begun or (self._until_settled <= 0.0 and phase is StepPhase.RISING):
             self._begin(phase, q, dq)
-        targets, y, _ = self.controller.targets(phase, State(q, dq))
+        targets, y, dy = self.controller.targets(phase, State(q, dq))
         shift = self._energy.fri_shift(phase, q, float(dq[0]), np.zeros(4))
         p_fri = min(max(targets.p_fri + shift, self._room[0]), self._room[1])
-        return FrontalTargets(targets._replace(p_fri=p_fri), y, None)
+        return FrontalTargets(targets._replace(p_fri=p_fri), y, dy, None)
 
     def _begin(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> None:
         self.controller.begin(phase, q, dq)

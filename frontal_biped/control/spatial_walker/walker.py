@@ -11,9 +11,9 @@ from collections import deque
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.frontal_law import TURNED, FrontalLaw, FrontalSettings
 from frontal_biped.control.interface import PhaseEvent
 from frontal_biped.control.spatial_walker.estimator import SpatialEstimator, SpatialEstimatorSettings
-from frontal_biped.control.spatial_walker.frontal_law import FrontalLaw, FrontalSettings
 from frontal_biped.control.spatial_walker.interface import SpatialCommand, SpatialReading
 from frontal_biped.control.spatial_walker.leg_lengths import LegLengths, LengthSettings
 from frontal_biped.control.spatial_walker.sagittal import SagittalLaw, SagittalSettings
@@ -27,15 +27,14 @@ from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.impact import impact
 from frontal_biped.model.space.free_robot import BASE, FreeRobot
-from frontal_biped.model.space.virtual_legs import LENGTH, SpaceState, Sway
+from frontal_biped.model.space.virtual_legs import LENGTH, SpaceState
 from frontal_biped.model.stance_map import Stance
+from frontal_biped.model.state import State
+from frontal_biped.model.sway import Sway
 
 SOFT = (0.009, 0.039, 0.15)
 """After a landing the contact rings: feedback is at the last of these shares until the first of these times [s], and
 grows to all of it until the second."""
-
-TURNED = 0.004
-"""Hysteresis of the sway's rate at a reversal [m/s]."""
 
 LIFTED = 0.02
 """Time without a touch after which a foot has left the ground [s]: it leaves slowly, and rings on soft ground."""
@@ -158,7 +157,7 @@ class SpatialWalker:
         if event is None:
             event = self.phases.turn(-sway.rate)
         phase = self.phases.phase
-        wanted = self.frontal.at(phase, seen, sway, event, self._unexplained(sway))
+        wanted = self.frontal.at(phase, State(seen.q, seen.dq), sway, event, self._unexplained(sway))
 
         left = self.left = self.frontal.orbit.left(phase, sway.value, sway.rate)
         foot, other = state.feet[stance], state.feet[stance.other]
@@ -227,7 +226,7 @@ class SpatialWalker:
         self.phases.stands(estimator.clearance(landed.other))
         state = self.state.at(estimator.q, estimator.v)
         self.lengths.start(*(self._length(state, side) for side in (landed, landed.other)))
-        self.frontal.land(landed, state.sway(landed), state.frontal(landed).q, after.dq_plus)
+        self.frontal.land(landed, state.sway(landed), State(state.frontal(landed).q, after.dq_plus))
 
     @staticmethod
     def _length(state: SpaceState, side: Stance) -> LegLength:

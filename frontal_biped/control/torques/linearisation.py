@@ -9,6 +9,14 @@ A motion that misses its targets by ddy - v = a_0 r_1..3, N_0 - p_FRI F_v = T_0 
 m = M_N - p_FRI M_F and I_P = m c:
 
     dddbeta/dr = k = (-a_0 m_b, T_0) / I_P,    dddq/dr = c k' + a_0 [0 0; I 0],    dW/dr = M dddq/dr
+
+Where the outputs are functions of the sway s instead (`model.sway`), dds = J ddq + drift takes the place of ddbeta. The
+line is then one over dds: its body part is as before, and the ankle follows from J, whose first entry is the height of
+the centre of mass and never zero:
+
+    a = (-(drift + J_b a_b) / J_1, a_b),    c = ((1 - J_b h_d') / J_1, h_d')
+
+and an output's residual moves the ankle by -J_b / J_1 with it.
 """
 
 from typing import NamedTuple
@@ -20,6 +28,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.control.torques.lyapunov import Decrease
 from frontal_biped.model.biped import BASE, FrontalBiped
 from frontal_biped.model.state import State
+from frontal_biped.model.sway import Sway
 from frontal_biped.model.urdf.description import ROLL_JOINTS
 
 JOINTS = len(ROLL_JOINTS)
@@ -39,12 +48,13 @@ class Targets(NamedTuple):
     """What the controller asks of one instant.
 
     Attributes:
-        h_d1: (3,) dh_d/dbeta [-].
-        h_d2_dbeta2: (3,) h_d'' dbeta^2 [rad/s^2].
+        h_d1: (3,) dh_d/dbeta [-]; over the sway dh_d/ds [rad/m].
+        h_d2_dbeta2: (3,) h_d'' dbeta^2, over the sway h_d'' ds^2 [rad/s^2].
         ddy: (3,) wanted output acceleration v [rad/s^2].
         p_fri: wanted FRI [m].
         decrease: with a control Lyapunov function, the condition whose least v is ``ddy``; None without.
         relaxation: delta of that v [rad/s^2].
+        sway: what the outputs are functions of; None: of beta.
     """
 
     h_d1: FloatArray
@@ -53,6 +63,19 @@ class Targets(NamedTuple):
     p_fri: float
     decrease: Decrease | None = None
     relaxation: float = 0.0
+    sway: Sway | None = None
+
+    def line(self) -> FloatArray:
+        """(2, 4) accelerations a + c x that give the outputs theirs: a [rad/s^2], and c, by the phase's variable x."""
+        line = np.zeros((2, JOINTS))
+        a, c = line
+        np.add(self.ddy, self.h_d2_dbeta2, out=a[1:])
+        c[0], c[1:] = 1.0, self.h_d1
+        if self.sway is not None:
+            first, body = self.sway.J.item(0), self.sway.J[1:]
+            a[0] = -(self.sway.drift + body.dot(a[1:]).item()) / first
+            c[0] = (1.0 - body.dot(self.h_d1).item()) / first
+        return line
 
 
 class Motion(NamedTuple):
@@ -83,11 +106,8 @@ class StanceDynamics(NamedTuple):
     def linearising(self, targets: Targets) -> Motion | None:
         """The motion that meets all targets; None where I_P vanishes."""
         p_fri = targets.p_fri
-        line = np.zeros((2, BASE + JOINTS))
-        a, c = line[0, BASE:], line[1, BASE:]  # behind the foot at rest
-        np.add(targets.ddy, targets.h_d2_dbeta2, out=a[1:])
-        c[0], c[1:] = 1.0, targets.h_d1
-        forces, along = line.dot(self.M)  # M is symmetric
+        a, c = line = targets.line()
+        forces, along = line.dot(self.M[BASE:])  # M is symmetric, and the foot at rest
         forces += self.bias
         divisor = along.item(N_0) - p_fri * along.item(F_V)
         if divisor == 0.0:
@@ -108,16 +128,29 @@ class StanceDynamics(NamedTuple):
             T_0: unit of the FRI's [N m].
         """
         M, p_fri = self.M[:, BASE:], targets.p_fri
-        c, k = np.empty(JOINTS), np.empty(JOINTS)
-        c[0], c[1:] = 1.0, targets.h_d1
+        c, k = targets.line()[1], np.empty(JOINTS)
         m = M[F_V] * -p_fri
         m += M[N_0]
-        np.multiply(m[1:], -a_0, out=k[:FRI])
+        of_outputs = _OF_OUTPUTS
+        if targets.sway is not None:
+            of_outputs = of_outputs.copy()
+            of_outputs[0, :FRI] = -targets.sway.J[1:] / targets.sway.J.item(0)
+        np.multiply(m.dot(of_outputs)[:FRI], -a_0, out=k[:FRI])
         k[FRI] = T_0
         k /= m.dot(c)
         ddq = c[:, None] * k
-        ddq += a_0 * _OF_OUTPUTS
+        ddq += a_0 * of_outputs
         return ddq, M.dot(ddq)
+
+    def sway(self, value: float, mass: float) -> Sway:
+        """The sway, from what is known of the momentum.
+
+        Args:
+            value: of the sway [m].
+            mass: of the robot [kg].
+        """
+        J = self.M[F_H, BASE:] / mass  # F_H = m dds, for the foot is at rest
+        return Sway(value, J.dot(self.state.dq).item(), J, self.bias.item(F_H) / mass)
 
 
 _OF_OUTPUTS = np.eye(JOINTS, k=-1)

@@ -13,7 +13,8 @@ Decision variables x = (ddq (4), u (4), F_h, F_v).
 
 ddy = ddq_b - h_d' ddbeta - h_d'' dbeta^2 is the acceleration of the output y = q_b - h_d(beta), v the one asked for,
 and N_0 = u_1 - armature ddq_1 - h_a F_h + m_f g c_f the moment of the ground reaction about the ground below the
-ankle. Four targets meet four freedoms: while no limit is active both costs vanish, the solution is the input-output
+ankle. Where the outputs are functions of the sway s, dds = J ddq + drift takes the place of ddbeta (`linearisation`).
+Four targets meet four freedoms: while no limit is active both costs vanish, the solution is the input-output
 linearising torque with the FRI on its target, and the weights a_0 and T_0 do not matter. Inside the program u and F
 are in units of T_0 and m g, and every row likewise, so that one absolute tolerance fits all.
 
@@ -148,9 +149,13 @@ class WalkingQp:
         np.divide(bias[BASE:], T_0, out=program.b[:JOINTS])
         np.divide(bias[:FORCES], F_0, out=program.b[JOINTS:])
         task, goal = self._task.copy(), self._goal.copy()
-        np.divide(targets.h_d1, -OUTPUT_ACCELERATION, out=task[:FRI, BETA])
-        task[FRI, F_V] = -targets.p_fri * F_0 / T_0
         drift = targets.h_d2_dbeta2
+        if targets.sway is None:
+            np.divide(targets.h_d1, -OUTPUT_ACCELERATION, out=task[:FRI, BETA])
+        else:
+            task[:FRI, DDQ] -= np.outer(targets.h_d1 / OUTPUT_ACCELERATION, targets.sway.J)
+            drift = drift + targets.h_d1 * targets.sway.drift
+        task[FRI, F_V] = -targets.p_fri * F_0 / T_0
         goal[:FRI] = (drift if targets.decrease else targets.ddy + drift) / OUTPUT_ACCELERATION
         H, g = task.T.dot(task), goal.dot(task)
         # off the gait h_d' and v may be thousands; the cost in units of its own size, or ProxQP stalls
@@ -171,6 +176,8 @@ class WalkingQp:
         size = OUTPUT_ACCELERATION * max(1.0, abs(slope) / OUTPUT_ACCELERATION)
         program.C[row, BETA] = slope / size
         program.C[row, BODY] = n / size
+        if targets.sway is not None:
+            program.C[row, DDQ] = (np.append(0.0, n) + slope * targets.sway.J) / size
         program.u[row] = (n.dot(drift) - b) / size if n.any() else UNBOUNDED
         program.g[DELTA] = self.price * size / (OUTPUT_ACCELERATION * unit)
         return PosedProgram(program, size)

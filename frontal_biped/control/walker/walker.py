@@ -2,25 +2,26 @@
 
 At every reading: estimate the state (`StateEstimator`), decide whether the swing foot has landed (`PhaseMachine`),
 predict the state at the time when the torques will act, decide there whether the robot has turned, ask the quadratic
-program for the torques, with the FRI target moved so that the energy of the orbit is kept (`EnergyLaw`).
+program for the torques, with the FRI target moved so that the energy of the orbit is kept.
 
-After a landing the virtual constraints begin at the predicted state at once, and again when the foot has settled and
-the velocities after the impact have been seen.
+The virtual constraints are followed over the sway (`OverSway`), or over beta with phases that a stabiliser chooses
+(`OverAnkle`): where one is named, and for gaits whose centre of mass turns back along a phase.
 """
 
 from collections import deque
 from dataclasses import replace
 
-import numpy as np
-
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.controller import QpController
+from frontal_biped.control.frontal_law import TURNED, FrontalLaw, FrontalSettings
 from frontal_biped.control.interface import PhaseEvent, Reading, WalkerCommand
 from frontal_biped.control.settings import ControllerSettings, sampled_frequency
 from frontal_biped.control.stabilisers.by_name import make_stabiliser
 from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions, Stabiliser
 from frontal_biped.control.walker.energy_law import EnergyLaw, EnergySettings
 from frontal_biped.control.walker.estimator_gains import EstimatorSettings
+from frontal_biped.control.walker.over_ankle import OverAnkle
+from frontal_biped.control.walker.over_sway import OverSway
 from frontal_biped.control.walker.phase_machine import PhaseMachine, PhaseSettings
 from frontal_biped.control.walker.state_estimator import StateEstimator
 from frontal_biped.exceptions import SimulationError
@@ -28,10 +29,14 @@ from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import UPRIGHT
 from frontal_biped.model.stance_map import Stance
-from frontal_biped.virtual_constraints.phase import StepPhase
+from frontal_biped.model.state import State
+from frontal_biped.virtual_constraints.swayed import runs_one_way
 
 DEFAULT_ENERGY = EnergySettings()
 """How a walker keeps the energy of the orbit unless told otherwise."""
+
+PHASE_VARIABLES = ("sway", "ankle")
+"""What virtual constraints may be followed over: the centre of mass over the stance ankle, or the ankle's angle."""
 
 SETTLE = 0.03
 """Time after a landing when the virtual constraints begin anew [s]."""
@@ -46,16 +51,23 @@ class Walker:
         period: time between readings [s].
         settings: gains and limits; default: the gait's friction and normal force, the robot's own torque limits, and
             the gains of `sampled_frequency`.
-        stabiliser: chooses the virtual constraints of each phase; an object or one of `STABILISERS` by name. Default:
-            re-anchored transitions that leave the energy to the energy law, and rescale an early falling phase.
+        stabiliser: chooses the virtual constraints of each phase over beta; an object or one of `STABILISERS` by name.
+            Default: over the sway, or with ``over`` "ankle" re-anchored transitions that leave the energy to the energy
+            law, and rescale an early falling phase.
         delay: known time from a reading to the torques it leads to [s], a multiple of the period.
         phases: when to believe in a landing or a reversal.
         estimator: what to trust of the readings.
         energy: how the energy of the orbit is kept; None: it is left to the stabiliser.
         settle: time after a landing when the virtual constraints begin anew [s]; 0: never.
+        over: the phase variable, "sway" or "ankle"; default: the sway, unless a stabiliser is given or the centre of
+            mass turns back along a phase of the gait.
+
+    Attributes:
+        over: the phase variable.
 
     Raises:
-        SimulationError: the delay is no multiple of the period, or the stabiliser is unknown.
+        SimulationError: the delay is no multiple of the period, stabiliser or phase variable are unknown, or the gait
+            cannot be followed over the sway that was asked for.
     """
 
     def __init__(
@@ -71,6 +83,7 @@ class Walker:
         estimator: EstimatorSettings | None = None,
         energy: EnergySettings | None = DEFAULT_ENERGY,
         settle: float = SETTLE,
+        over: str | None = None,
     ) -> None:
         self.biped, self.gait, self.period, self.delay = biped, gait, period, delay
         self._on_the_way = round(delay / period)
@@ -79,15 +92,23 @@ class Walker:
         if settings is None:
             limits = ControllerSettings.for_gait(gait)
             settings = replace(limits, max_torque=None, frequency=sampled_frequency(period))
+        self.over = _phase_variable(biped, gait, over, stabiliser, settings.outputs)
         if stabiliser is None:
             alone = energy is None  # otherwise the energy law sees to the speed, and the transitions to the loads
             stabiliser = ReanchoringTransitions(biped, gait, anticipate=alone, rejoin=alone)
         chosen = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
         self.controller = QpController(biped, gait, settings, chosen)
-        self.phases = PhaseMachine(period, phases)
         self.estimator = StateEstimator(biped, period, estimator, delay)
-        self.energy = None if energy is None else EnergyLaw(biped, gait, period, energy)
-        self.settle = settle
+        self._law: OverSway | OverAnkle
+        if self.over == "sway":
+            frontal = FrontalSettings(energy, settle=settle)
+            law = FrontalLaw(biped, gait, period, settings.frequency, frontal, settings.damping)
+            self._law = OverSway(biped, self.controller, law)
+            self.phases = PhaseMachine(period, phases or PhaseSettings(rate=TURNED))
+        else:
+            kept = None if energy is None else EnergyLaw(biped, gait, period, energy)
+            self._law = OverAnkle(self.controller, kept, period, settle)
+            self.phases = PhaseMachine(period, phases)
         self.landings = 0
         self.reset(Stance.LEFT, *gait.state_after_impact())
 
@@ -97,10 +118,7 @@ class Walker:
         self.estimator.reset(stance, q, dq)
         self.phases.reset()
         self._sent: deque[FloatArray] = deque(maxlen=self._on_the_way + 1)  # URDF order, the oldest acts now
-        self._begun = False
-        if self.energy is not None:
-            self.energy.reset(stance)
-        self._until_settled = np.inf
+        self._law.reset(stance)
 
     def tick(self, reading: Reading) -> WalkerCommand:
         """Torques for a reading, one period after the last."""
@@ -115,27 +133,17 @@ class Walker:
             event = PhaseEvent.LANDING
             self.landings += 1
             estimator.land()
-            if self.energy is not None:
-                self.energy.land(self.stance.other)
             self.stance = self.stance.other
+            self._law.land(self.stance, State(estimator.q, estimator.dq))
             q, dq = self._measured(reading)
         estimator.correct(q, dq)
 
         q, dq = estimator.ahead([self._in_stance(tau) for tau in list(self._sent)[1:]])
+        state = State(q, dq)
         if event is None:
-            event = self.phases.turn(float(dq[0]))
+            event = self.phases.turn(self._law.outwards(state))
         phase = self.phases.phase
-        self._until_settled -= self.period
-        settled = self._until_settled <= 0.0
-        if event is not None or not self._begun or (settled and phase is StepPhase.RISING):
-            self.controller.begin(phase, q, dq)
-            self._begun = True
-            landed = event is PhaseEvent.LANDING and self.settle > 0.0
-            self._until_settled = self.settle if landed else np.inf
-        shift = 0.0
-        if self.energy is not None:
-            shift = self.energy.fri_shift(phase, q, float(dq[0]), estimator.error)
-        command = self.controller.command(phase, q, dq, shift)
+        command = self._law.command(phase, event, state, estimator.error)
         u = command.u
         tau = self.biped.stance_map.torques_to_urdf(u, self.stance)
         if not self._sent:  # nothing else was on its way
@@ -169,3 +177,19 @@ class Walker:
         dq = coordinates.velocities_to_stance(reading.joint_velocities, stance).copy()
         dq[0] = outwards * reading.base_roll_rate - dq[1]
         return q, dq
+
+
+def _phase_variable(
+    biped: FrontalBiped, gait: Gait, over: str | None, stabiliser: Stabiliser | str | None, outputs: str
+) -> str:
+    """The phase variable: what was asked for, or what suits."""
+    if over is not None and over not in PHASE_VARIABLES:
+        raise SimulationError(f"no phase variable {over!r}; known: {', '.join(PHASE_VARIABLES)}")
+    plain = stabiliser is None and outputs == "linearising"
+    if over is None:
+        return "sway" if plain and runs_one_way(biped, (gait.rising, gait.falling)) else "ankle"
+    if over == "sway" and not plain:
+        raise SimulationError(
+            "stabilisers and control Lyapunov functions act over the ankle's angle; leave them, or write over = 'ankle'"
+        )
+    return over

@@ -7,8 +7,8 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.torques.linearisation import Targets
-from frontal_biped.model.space.virtual_legs import Sway
 from frontal_biped.model.stance_map import Stance
+from frontal_biped.model.sway import Sway
 
 
 class LegLength(NamedTuple):

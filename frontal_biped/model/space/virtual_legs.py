@@ -15,7 +15,6 @@ All in the *heading frame*: at the world's origin, turned about Z to where the r
 
 from dataclasses import dataclass
 from math import asin, atan2, cos, sin, sqrt
-from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -24,6 +23,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.model.chain import UPRIGHT
 from frontal_biped.model.space.free_robot import BASE, FreeRobot
 from frontal_biped.model.stance_map import Stance
+from frontal_biped.model.sway import Sway
 
 ROLL, PITCH, YAW = range(3)
 X, Y, Z = range(3)
@@ -101,22 +101,6 @@ class FrontalCoordinates:
     dq: FloatArray
     J: FloatArray
     drift: FloatArray
-
-
-class Sway(NamedTuple):
-    """How far the centre of mass is inwards of the stance ankle, which is taken to be at rest.
-
-    Attributes:
-        value: [m].
-        rate: [m/s].
-        J: (nv,) Jacobian.
-        drift: its acceleration where the robot does not accelerate [m/s^2].
-    """
-
-    value: float
-    rate: float
-    J: FloatArray
-    drift: float
 
 
 class SpaceState:

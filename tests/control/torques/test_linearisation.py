@@ -7,8 +7,11 @@ from hypothesis import strategies as st
 from random_states import angles, assert_close, rates, vectors
 
 from frontal_biped.control import QpController
-from frontal_biped.control.torques.linearisation import StanceModel
+from frontal_biped.control.settings import ControllerSettings
+from frontal_biped.control.torques.linearisation import StanceModel, Targets
+from frontal_biped.control.torques.torque_program import Source, TorqueProgram
 from frontal_biped.model.state import State
+from frontal_biped.numerics.quadratic_program import ProxQpSolver
 from frontal_biped.virtual_constraints import StepPhase
 
 
@@ -51,3 +54,39 @@ def test_a_state_is_evaluated_once_and_for_all(biped, reference_gait, q, dq, oth
     for part, again, fresh in zip(kept, everything(first), alone, strict=True):
         assert np.array_equal(part, again)
         assert np.array_equal(part, fresh)
+
+
+@given(q=vectors(-1.9, -1.2, 4), dq=vectors(-1.0, 1.0, 4), r=vectors(-5.0, 5.0, 4), p_fri=st.floats(-0.04, 0.04))
+def test_residuals_over_the_sway(biped, q, dq, r, p_fri):
+    """The same law for outputs that are functions of the sway, whose acceleration is taken from the ground's force."""
+    a_0, T_0 = 10.0, 0.1 * biped.weight
+    dynamics = StanceModel(biped).at(State(q, dq))
+    sway = dynamics.sway(float(biped.com(q)[0]), biped.mass)
+    slope, curve = np.array([2.0, -3.0, 1.0]), np.array([0.5, -0.2, 0.1])
+    targets = Targets(slope, curve * sway.rate**2, np.array([1.0, -2.0, 0.5]), p_fri, sway=sway)
+    motion = dynamics.linearising(targets)
+    along, forces_along = dynamics.along_residuals(targets, a_0, T_0)
+    assume(np.max(np.abs(along)) < 1e4)
+    ddq, forces = motion.ddq + along @ r, motion.forces + forces_along @ r
+    size = 1.0 + np.max(np.abs(ddq)) * np.max(np.abs(dynamics.M))
+    assert_close(biped.inverse_dynamics(q, dq, ddq), forces, 1e-10, floor=size)
+    dds = forces[0] / biped.mass
+    ddy = ddq[1:] - slope * dds - curve * sway.rate**2
+    assert_close(ddy - targets.ddy, a_0 * r[:3], 1e-9, floor=1.0 + np.max(np.abs(ddq)))
+    assert forces[2] - p_fri * forces[1] == pytest.approx(T_0 * r[3], abs=1e-10 * size)
+
+
+@given(q=vectors(-1.8, -1.3, 4), dq=vectors(-1.0, 1.0, 4), ddy=vectors(-40.0, 40.0, 3), p_fri=st.floats(-0.04, 0.04))
+def test_program_over_the_sway_by_another_solver(biped, q, dq, ddy, p_fri):
+    """Limits active or not: the exact solution has the cost of ProxQP's."""
+    program = TorqueProgram(biped, ControllerSettings())
+    state = State(q, dq)
+    sway = StanceModel(biped).at(state).sway(float(biped.com(q)[0]), biped.mass)
+    targets = Targets(np.array([1.0, -1.5, 0.5]), np.zeros(3), ddy, p_fri, sway=sway)
+    answer = program.solve(state, targets)
+    posed, _ = program.pose(state, targets)
+    other = ProxQpSolver(1e-9, 200).solve(posed, warm=False)
+    assume(answer is not None and answer.source is not Source.RELAXED and other.solved)
+    x = np.concatenate([answer.ddq, answer.u, answer.force]) / program.qp.scale
+    cost, theirs = (0.5 * z @ posed.H @ z + posed.g @ z for z in (x, other.x))
+    assert cost == pytest.approx(theirs, abs=1e-6)

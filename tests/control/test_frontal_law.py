@@ -5,10 +5,11 @@ import pytest
 from whole_robots import whole
 
 from frontal_biped.control.controller import SHIFT_ROOM
+from frontal_biped.control.frontal_law import LEARNED, FrontalLaw, FrontalSettings
 from frontal_biped.control.interface import PhaseEvent
-from frontal_biped.control.spatial_walker.frontal_law import LEARNED, FrontalLaw, FrontalSettings
 from frontal_biped.model import Stance
-from frontal_biped.model.space.virtual_legs import FrontalCoordinates, Sway
+from frontal_biped.model.state import State
+from frontal_biped.model.sway import Sway
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 H, FREQUENCY = 1e-3, 60.0
@@ -24,7 +25,7 @@ def seen(robot, q, dq):
     """A state as the law is told of it; rows are not its business."""
     nothing = np.zeros(0)
     sway = Sway(float(robot.biped.com(q)[0]), float(robot.biped.com_velocity(q, dq)[0]), nothing, 0.0)
-    return FrontalCoordinates(q, dq, nothing, nothing), sway
+    return State(q, dq), sway
 
 
 def states(robot, phase, count=25):
@@ -45,7 +46,7 @@ def law_of(robot, **settings):
     law = FrontalLaw(robot.biped, robot.gait, H, FREQUENCY, FrontalSettings(settle=0.0, **settings))
     first = next(states(robot, StepPhase.RISING))
     frontal, sway = seen(robot, *first[:2])
-    law.land(Stance.LEFT, sway, frontal.q, frontal.dq)
+    law.land(Stance.LEFT, sway, frontal)
     for _ in range(round(SETTLED / H)):
         law.at(StepPhase.RISING, frontal, sway, None, 0.0)
     return law

@@ -1,14 +1,14 @@
-r"""The frontal plane of the robot in space: the paper's outputs and FRI target, the energy of the orbit kept.
+r"""The frontal plane of a walk, over the sway: the paper's outputs and FRI target, the energy of the orbit kept.
 
-What the planar `Walker` does over beta is done here over the sway s (`swayed`): each phase begins where the robot is,
-the FRI moves inside the sole at every tick so that the energy sideways is that of the orbit (`SwayOrbit`),
+Of the planar `Walker` and of the one in space. Each phase begins where the robot is (`swayed`); the FRI moves inside
+the sole at every tick so that the energy sideways is that of the orbit (`SwayOrbit`),
 
 .. math:: \Delta \ddot s = \pm \frac{\tfrac12 \dot s^2 - E(s)}{\ell} - a_s, \qquad
           \Delta p_{FRI} = -\frac{z}{g} \Delta \ddot s
 
 (plus while rising, a_s the mean acceleration that the model does not explain), and from step to step an offset of the
-FRI while falling takes off what is left of the energy error half-way down: what the planar model leaves out, legs that
-swing forwards and an impact with every joint free, comes back at every step.
+FRI while falling takes off what is left of the energy error half-way down: what the model leaves out (in space legs
+that swing forwards, and an impact with every joint free) comes back at every step.
 """
 
 from dataclasses import dataclass, field
@@ -23,8 +23,9 @@ from frontal_biped.control.torques.linearisation import Targets
 from frontal_biped.control.walker.energy_law import EnergySettings
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.space.virtual_legs import FrontalCoordinates, Sway
 from frontal_biped.model.stance_map import Stance
+from frontal_biped.model.state import State
+from frontal_biped.model.sway import Sway
 from frontal_biped.virtual_constraints.phase import StepPhase
 from frontal_biped.virtual_constraints.swayed import BegunPhase, SwayedPhase
 from frontal_biped.zero_dynamics.sway_orbit import SwayOrbit
@@ -34,6 +35,9 @@ LEARNED = 0.2
 
 DISTURBED = 0.12
 """Relative speed error half-way down from which on a step was disturbed, and is not learned from [-]."""
+
+TURNED = 0.004
+"""Hysteresis of the sway's rate at a reversal [m/s]."""
 
 SLOWEST = 0.02
 """Rate of the sway below which the slope after a landing is taken from the plan: it divides by the rate [m/s]."""
@@ -61,11 +65,13 @@ class FrontalTargets(NamedTuple):
     Attributes:
         targets: of the paper's outputs and the FRI.
         y: (3,) output error [rad].
+        dy: (3,) its rate [rad/s].
         over: what the outputs' derivatives are taken with respect to; None: beta.
     """
 
     targets: Targets
     y: FloatArray
+    dy: FloatArray
     over: Sway | None
 
 
@@ -78,6 +84,7 @@ class FrontalLaw:
         period: time between ticks [s].
         frequency: of the outputs' error dynamics [rad/s].
         settings: how the plane is kept.
+        damping: ratio of the outputs' error dynamics [-].
 
     Attributes:
         orbit: energy and time of the gait over the sway.
@@ -89,9 +96,16 @@ class FrontalLaw:
     """
 
     def __init__(
-        self, biped: FrontalBiped, gait: Gait, period: float, frequency: float, settings: FrontalSettings
+        self,
+        biped: FrontalBiped,
+        gait: Gait,
+        period: float,
+        frequency: float,
+        settings: FrontalSettings,
+        damping: float = 1.0,
     ) -> None:
-        self.settings, self._period, self._frequency = settings, period, frequency
+        self.settings, self._period = settings, period
+        self._kp, self._kd = frequency**2, 2.0 * damping * frequency
         self._phases = {
             StepPhase.RISING: SwayedPhase(biped, gait.rising),
             StepPhase.FALLING: SwayedPhase(biped, gait.falling),
@@ -115,23 +129,22 @@ class FrontalLaw:
         self._until_settled = np.inf
         self._fallen = True  # the first step is not learned from: it began where it was put
 
-    def land(self, stance: Stance, sway: Sway, q: FloatArray, dq: FloatArray) -> None:
+    def land(self, stance: Stance, sway: Sway, state: State) -> None:
         """A foot has landed: the rising phase begins.
 
         Args:
             stance: the foot.
             sway: after the impact, over that foot.
-            q: (4,) its stance coordinates [rad].
-            dq: (4,) theirs after the impact [rad/s].
+            state: stance coordinates after the impact.
         """
         self._stance, self._since, self._fallen = stance, 0.0, False
         self._until_settled = self.settings.settle or np.inf
-        self._begin(StepPhase.RISING, sway, q[1:], dq[1:])
+        self._begin(StepPhase.RISING, sway, state.q[1:], state.dq[1:])
 
     def at(
         self,
         phase: StepPhase,
-        frontal: FrontalCoordinates,
+        state: State,
         sway: Sway,
         event: PhaseEvent | None,
         unexplained: float,
@@ -140,14 +153,14 @@ class FrontalLaw:
 
         Args:
             phase: rising or falling.
-            frontal: stance coordinates.
+            state: stance coordinates.
             sway: of the centre of mass.
             event: a reversal or a turn outwards that was noticed here; a landing is told to `land`.
             unexplained: acceleration of the sway that the model does not explain [m/s^2].
         """
         self._until_settled -= self._period
         self._since += self._period
-        pose, rates = frontal.q[1:], frontal.dq[1:]
+        pose, rates = state.q[1:], state.dq[1:]
         if self._begun is None or (self._until_settled <= 0.0 and phase is StepPhase.RISING):
             self._until_settled = np.inf
             self._begin(phase, sway, pose, rates)
@@ -163,10 +176,10 @@ class FrontalLaw:
             shift += self.offset[self._stance]
         asked = self._begun.at(sway.value)
         y, dy = pose - asked.h_d, rates - asked.h_d1 * sway.rate
-        ddy = -(self._frequency**2) * y - 2.0 * self._frequency * dy
+        ddy = -self._kp * y - self._kd * dy
         outer, inner = self._sole
         p_fri = min(max(asked.p_fri + shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
-        return FrontalTargets(Targets(asked.h_d1, asked.h_d2 * sway.rate**2, ddy, p_fri), y, sway)
+        return FrontalTargets(Targets(asked.h_d1, asked.h_d2 * sway.rate**2, ddy, p_fri), y, dy, sway)
 
     def _begin(self, phase: StepPhase, sway: Sway, pose: FloatArray, rates: FloatArray) -> None:
         slope = rates / sway.rate if abs(sway.rate) > SLOWEST else None

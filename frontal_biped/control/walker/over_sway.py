@@ -1,0 +1,68 @@
+"""The walker's outputs over the sway of the centre of mass, as in space: `FrontalLaw` says what is wanted.
+
+On gaits of least torque beta runs over 0.02 rad while the joints turn fifty times as fast, so that a phase anchored to
+an estimate of it follows the noise of that estimate; the sway runs over centimetres.
+"""
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.control.controller import Command, QpController
+from frontal_biped.control.frontal_law import FrontalLaw
+from frontal_biped.control.interface import PhaseEvent
+from frontal_biped.control.torques.linearisation import F_V, N_0, StanceModel, Targets
+from frontal_biped.model.biped import BASE, FrontalBiped
+from frontal_biped.model.stance_map import Stance
+from frontal_biped.model.state import State
+from frontal_biped.model.sway import Sway
+from frontal_biped.virtual_constraints.phase import StepPhase
+
+
+class OverSway:
+    """Outputs over the sway.
+
+    Args:
+        biped: the robot as it is believed to be.
+        controller: turns targets into torques.
+        law: what is wanted.
+    """
+
+    def __init__(self, biped: FrontalBiped, controller: QpController, law: FrontalLaw) -> None:
+        self._biped, self._controller, self.law = biped, controller, law
+        self._stance_model = StanceModel(biped)
+        self._last: Targets | None = None
+
+    def reset(self, stance: Stance) -> None:
+        """Start right after an impact."""
+        self._last = None
+        self.law.reset(stance)
+
+    def land(self, stance: Stance, state: State) -> None:
+        """A foot has landed, with a state after the impact."""
+        self._last = None
+        self.law.land(stance, self._sway(state), state)
+
+    def outwards(self, state: State) -> float:
+        """Rate of the phase variable, positive where the robot sways outwards [m/s]."""
+        return -self._sway(state).rate
+
+    def command(self, phase: StepPhase, event: PhaseEvent | None, state: State, unexplained: FloatArray) -> Command:
+        """Torques at a state.
+
+        Args:
+            phase: rising or falling.
+            event: what was noticed in this tick, if anything.
+            state: that the command is for.
+            unexplained: (4,) acceleration that the model does not explain [rad/s^2].
+        """
+        dynamics = self._stance_model.at(state)
+        sway = dynamics.sway(float(self._biped.com(state.q)[0]), self._biped.mass)
+        error = 0.0
+        if self._last is not None:
+            # what the ankle's moment does not explain, along the virtual constraints: I_P x'' = moment
+            c, m = self._last.line()[1], dynamics.M[N_0, BASE:] - self._last.p_fri * dynamics.M[F_V, BASE:]
+            error = (dynamics.M[BASE, BASE:].dot(unexplained) / m.dot(c)).item()
+        wanted = self.law.at(phase, state, sway, event, error)
+        self._last = wanted.targets._replace(sway=sway)
+        return self._controller.follow(phase, state, self._last, wanted.y, wanted.dy)
+
+    def _sway(self, state: State) -> Sway:
+        return self._stance_model.at(state).sway(float(self._biped.com(state.q)[0]), self._biped.mass)
