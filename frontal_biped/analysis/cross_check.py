@@ -30,14 +30,12 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
-from frontal_biped.arrays import FloatArray
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.simulation.mid_fall import speed_errors
 from frontal_biped.simulation.trajectory import COMPLETED, Trajectory
 from frontal_biped.simulation.walking import walk
-from frontal_biped.zero_dynamics.orbit import resample
 
 
 @dataclass(frozen=True)
@@ -50,7 +48,7 @@ class EngineReport:
         steps: completed.
         step_time: mean duration of a step [s].
         step_time_spread: its standard deviation [s].
-        speed_error: dbeta half-way down, relative to the closed form, mean over the steps [-].
+        speed_error: speed sideways half-way down, relative to the closed form, mean over the steps [-].
         largest_speed_error: the largest of them, in absolute value [-].
         output_error: largest |q_b - h_d| [rad].
         foot_slip: largest motion of a stance foot after it has settled [m].
@@ -199,20 +197,3 @@ def engine_report(biped: FrontalBiped, gait: Gait, engine: str, run: Trajectory)
         torque=float(np.max(np.abs(run.u) / biped.max_torque)),
         unsolved=int(run.settings.get("controller", {}).get("unsolved", 0)),
     )
-
-
-def speed_errors(biped: FrontalBiped, gait: Gait, run: Trajectory) -> FloatArray:
-    """(n,) dbeta half-way down each falling phase, relative to the closed form, minus one [-].
-
-    Half-way down, since a soft contact still rings after an impact; steps that do not get there are left out.
-    """
-    half_way = resample(biped, gait.falling, gait.step(biped).falling, np.array([0.5**0.5, 1.0]))
-    middle, planned = float(half_way.beta[0]), float(half_way.dbeta[0])
-    errors = []
-    for step in range(run.steps_completed):
-        chosen = (run.step == step) & (run.phase < 0.0)
-        if run.q[chosen, 0].min(initial=np.inf) < middle:
-            way = CubicHermiteSpline(run.t[chosen], run.q[chosen, 0], run.dq[chosen, 0])
-            passed = way.solve(middle, extrapolate=False)
-            errors.append(float(way(passed[-1], 1)) / planned - 1.0)
-    return np.array(errors)

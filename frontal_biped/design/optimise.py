@@ -11,8 +11,10 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.explanation import Conflict, Remedy, conflicts, remedy
 from frontal_biped.design.problem import COLUMN_REACH, DesignProblem
 from frontal_biped.design.search import Candidate, Progress, Search
+from frontal_biped.design.tightening import Tightening
 from frontal_biped.design.variables import STEP_WIDTH
 from frontal_biped.design.verification import RETURN_TOLERANCE, Verification, verify
+from frontal_biped.design.walk_trial import WalkTrial
 from frontal_biped.exceptions import SpecificationError
 from frontal_biped.files.provenance import software_versions
 from frontal_biped.gait.check import ConstraintReport
@@ -48,6 +50,8 @@ class DesignResult:
         conflicts: the contradicting constraints of a specification that could not be met.
         remedy: a change of the specification that was tried and leaves a gait.
         verification: the simulated step; None where there was no candidate.
+        walk: how it walked; None where that was left out.
+        tightened: what was asked beyond the specification, so that it walks.
     """
 
     gait: Gait | None
@@ -60,6 +64,8 @@ class DesignResult:
     conflicts: tuple[Conflict, ...] = ()
     remedy: Remedy | None = None
     verification: Verification | None = None
+    walk: WalkTrial | None = None
+    tightened: tuple[Tightening, ...] = ()
 
 
 # a nearest point without an orbit is told by its values, not by warnings

@@ -2,21 +2,16 @@
 
 import json
 
-import numpy as np
 import pytest
 
-from frontal_biped.analysis.cross_check import cross_check, speed_errors
+from frontal_biped.analysis.cross_check import cross_check
 from frontal_biped.cli import main
 from frontal_biped.design import design_gait
 from frontal_biped.gait import load_specification
 from frontal_biped.gait.file import save_gait
 from frontal_biped.simulation import Disturbances, Push, load_trajectory
-from frontal_biped.simulation.walking import simulate
 
 pytest.importorskip("mujoco")
-
-SAMPLED = 1e-6
-"""What a cubic between samples 4 ms apart leaves of a speed [-]."""
 
 
 @pytest.fixture(scope="module")
@@ -27,21 +22,6 @@ def rough(biped):
 @pytest.fixture(scope="module")
 def checked(biped, rough):
     return cross_check(biped, rough, steps=4)
-
-
-def test_speed_on_the_orbit_itself_is_the_closed_form(biped, reference_gait):
-    run = simulate(biped, reference_gait, steps=2)
-    errors = speed_errors(biped, reference_gait, run)
-    assert len(errors) == 2
-    assert np.max(np.abs(errors)) < SAMPLED
-
-
-def test_a_faster_start_is_seen(biped, reference_gait):
-    """An error of the speed dies out by the multiplier, step by step, wherever on the orbit it is measured."""
-    run = simulate(biped, reference_gait, steps=3, speed_error=0.002)
-    errors = speed_errors(biped, reference_gait, run)
-    assert errors[1:] / errors[:-1] == pytest.approx(reference_gait.orbit.multiplier, rel=0.05)
-    assert errors[0] > 0.0
 
 
 def test_engines_agree(checked, rough):

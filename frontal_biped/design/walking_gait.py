@@ -1,0 +1,166 @@
+"""A gait is called one when it walks: design, walk, and where it falls ask more of what governs the fall.
+
+The closed form certifies the orbit of the model under control in continuous time. What a robot meets is a walker that
+sees sensors only and holds its torques for a millisecond. Where that does not walk `STEPS` steps, in our simulator and,
+where it is installed, in MuJoCo, the specification is tightened (`tightening`) as long as the gait costs no more than a
+stated share beyond the one that was asked for.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.design.optimise import DesignResult, design_gait
+from frontal_biped.design.search import Progress
+from frontal_biped.design.tightening import Tightening, tightenings
+from frontal_biped.design.walk_trial import STEPS, WalkTrial, try_walk
+from frontal_biped.exceptions import SpecificationError
+from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.specification import GaitSpecification, default_specification
+from frontal_biped.model.biped import FrontalBiped
+
+BUDGET = 0.25
+"""Share of J that may be given away for a gait that walks [-]."""
+
+MOST_DESIGNS = 8
+"""Tightened designs that are tried."""
+
+LEFT_OUT = "left out (quick)"
+"""What a gait file says of the walk of a gait that was not walked."""
+
+Tell = Callable[[str], None]
+"""Called with a line that says what is being done."""
+
+
+def design_walking_gait(
+    biped: FrontalBiped,
+    specification: GaitSpecification | None = None,
+    *,
+    start: Gait | FloatArray | None = None,
+    attempts: int = 1,
+    budget: float = BUDGET,
+    on_progress: Progress | None = None,
+    on_step: Callable[[str, int], None] | None = None,
+    tell: Tell | None = None,
+) -> DesignResult:
+    """A gait of least J under C01 to C09 that walks.
+
+    Args:
+        biped: the robot.
+        specification: the bounds; default: `default_specification`.
+        start: see `design_gait`.
+        attempts: see `design_gait`.
+        budget: share of J that may be given away [-].
+        on_progress: see `design_gait`.
+        on_step: called with the engine and the number of completed steps of a walk.
+        tell: called with a line on every walk that failed and what is tried against it.
+
+    Returns:
+        As `design_gait`; ``walk`` and ``tightened`` say how it walked, and what was asked beyond the specification. No
+        gait where none of those tried walks; the message says why.
+
+    Raises:
+        UnreachablePoseError: no double support pose exists at the start.
+        SpecificationError: the FRI margin leaves no room in the robot's sole, ``attempts`` is below 1 or ``budget``
+            negative.
+    """
+    if not budget >= 0.0:
+        raise SpecificationError(f"budget = {budget:g} of J is negative; give the share that may be given away")
+    spec = default_specification(biped) if specification is None else specification
+    first = design_gait(biped, spec, start=start, attempts=attempts, on_progress=on_progress)
+    if first.gait is None:
+        return first
+    search = _Search(biped, first, budget, on_progress, on_step, tell or (lambda line: None))
+    return search.run(spec)
+
+
+class _Search:
+    """Looks for a gait that walks, from one that is certified."""
+
+    def __init__(
+        self,
+        biped: FrontalBiped,
+        first: DesignResult,
+        budget: float,
+        on_progress: Progress | None,
+        on_step: Callable[[str, int], None] | None,
+        tell: Tell,
+    ) -> None:
+        assert first.gait is not None
+        self.biped, self.first, self.budget = biped, first, budget
+        self.cheapest = first.gait.orbit.cost
+        self.on_progress, self.on_step, self.tell = on_progress, on_step, tell
+        self.designs = 0
+        self.seconds, self.iterations, self.evaluations = first.seconds, first.iterations, first.evaluations
+
+    def run(self, spec: GaitSpecification) -> DesignResult:
+        """The first gait that walks, or why there is none."""
+        assert self.first.gait is not None
+        trial = self._walk(self.first.gait)
+        if trial.walked:
+            return self._done(self.first, trial, ())
+        found = self._tightened(spec, self.first.gait, trial, ())
+        if found is not None:
+            return found
+        failure = trial.failure
+        message = (
+            f"a certified gait was found, J = {self.cheapest:.4f} N^2 m s, but it does not walk: {failure}; of"
+            f" {self.designs} tighter ones within {100.0 * self.budget:.0f} % of its J none does; change the"
+            " specification, allow a larger budget, or take it as it is with quick"
+        )
+        return self._counted(replace(self.first, gait=None, success=False, message=message, walk=trial))
+
+    def _tightened(
+        self, spec: GaitSpecification, gait: Gait, trial: WalkTrial, before: tuple[Tightening, ...]
+    ) -> DesignResult | None:
+        """Depth first: against the event that ended the walk, and where another one ends the next, against that."""
+        failure = trial.failure
+        assert failure is not None
+        self.tell(f"does not walk: {failure}")
+        for change in tightenings(spec, failure.outcome):
+            if self.designs >= MOST_DESIGNS:
+                return None
+            change = replace(change, event=failure.outcome, engine=failure.engine)
+            try:
+                tighter = change.of(spec)
+                self.designs += 1
+                result = design_gait(self.biped, tighter, start=gait, advise=False, on_progress=self.on_progress)
+            except SpecificationError:
+                continue  # no room for that in the sole
+            self.seconds += result.seconds
+            self.iterations += result.iterations
+            self.evaluations += result.evaluations
+            if result.gait is None or result.gait.orbit.cost > (1.0 + self.budget) * self.cheapest:
+                self.tell(f"with {change.key} = {change.new} {'no gait' if result.gait is None else 'too dear'}")
+                continue
+            self.tell(f"tightened: {change}; J {100.0 * (result.gait.orbit.cost / self.cheapest - 1.0):+.2f} %")
+            again = self._walk(result.gait)
+            changes = (*before, change)
+            if again.walked:
+                return self._done(result, again, changes)
+            if again.failure is not None and again.failure.outcome != failure.outcome:
+                found = self._tightened(tighter, result.gait, again, changes)
+                if found is not None:
+                    return found
+        return None
+
+    def _walk(self, gait: Gait) -> WalkTrial:
+        return try_walk(self.biped, gait, STEPS, self.on_step)
+
+    def _done(self, result: DesignResult, trial: WalkTrial, changes: tuple[Tightening, ...]) -> DesignResult:
+        assert result.gait is not None
+        given_away = result.gait.orbit.cost / self.cheapest - 1.0
+        record: dict[str, Any] = {
+            "engines": trial.as_dict(),
+            "tightened": [str(change) for change in changes],
+            "cost_given_away": given_away,
+        }
+        gait = replace(result.gait, provenance={**result.gait.provenance, "walk": record})
+        message = f"{result.message}; walks {STEPS} steps"
+        if changes:
+            message += f", for {100.0 * given_away:.2f} % of J: {'; '.join(str(change) for change in changes)}"
+        return self._counted(replace(result, gait=gait, message=message, walk=trial, tightened=changes))
+
+    def _counted(self, result: DesignResult) -> DesignResult:
+        return replace(result, seconds=self.seconds, iterations=self.iterations, evaluations=self.evaluations)
