@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from frontal_biped.cli.arguments import add_json, add_robot, add_value, positive_int
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
-from frontal_biped.cli.output import emit
+from frontal_biped.cli.output import emit, require_output
 from frontal_biped.cli.progress import Progress
 
 if TYPE_CHECKING:
@@ -34,16 +34,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Design a gait, write it, print its constraints."""
     from frontal_biped.design.optimise import design_gait
-    from frontal_biped.files.atomic import require_parent
     from frontal_biped.gait.file import load_gait, save_gait
     from frontal_biped.gait.shipped import load_specification
     from frontal_biped.gait.specification import default_specification
     from frontal_biped.model.catalogue import load_robot
 
+    require_output(arguments.output, arguments.spec, arguments.start, robot=arguments.robot)
     biped = load_robot(arguments.robot)
     specification = default_specification(biped) if arguments.spec is None else load_specification(arguments.spec)
-    if arguments.output is not None:
-        require_parent(arguments.output)
     with Progress("designing:") as progress:
 
         def show(iteration: int, cost: float, violation: float) -> None:

@@ -9,6 +9,7 @@ from typing import NoReturn, Protocol
 from frontal_biped.cli import analyze, demo, design, export, library, plot, robots, simulate, studio, trial, view, walk
 from frontal_biped.cli.exit_status import TASK_FAILED, USAGE
 from frontal_biped.exceptions import FrontalBipedError
+from frontal_biped.files.names import require_utf8_name
 from frontal_biped.version import __version__
 
 
@@ -42,6 +43,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         0 on success, 1 if the task failed (no gait found, not certified, the robot fell), 2 on bad input.
     """
     parser = make_parser()
+    try:
+        for word in sys.argv[1:] if argv is None else argv:
+            require_utf8_name(word, FrontalBipedError)
+    except FrontalBipedError as error:
+        return _complain(str(error))
     try:
         arguments = parser.parse_args(argv)
     except SystemExit as stop:  # argparse: --help, --version, or a usage error it has printed

@@ -1,12 +1,59 @@
-"""What a command prints."""
+"""What a command prints, and which files it may write."""
 
 import argparse
+import errno
 import json
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 
 def emit(arguments: argparse.Namespace, table: Mapping[str, Any], text: str) -> None:
     """Print a report: as JSON with ``--json``, else as text."""
     sys.stdout.write((json.dumps(table, indent=1) if arguments.json else text) + "\n")
+
+
+def require_output(target: Path | None, *inputs: Path | str | None, robot: str | None = None) -> None:
+    """Raise now what would go wrong when a file is written at the end, or what it would destroy.
+
+    Args:
+        target: of ``-o`` or ``--html``; None: nothing is written.
+        inputs: files that the command reads, or writes besides; text that is no file's name is the name of something
+            packaged.
+        robot: name or file of the robot it loads, whose description and URDF are inputs too.
+
+    Raises:
+        FileExistsError: the target is one of the inputs, be it through a link.
+        OSError: it could not be written.
+    """
+    from frontal_biped.files.atomic import require_parent
+
+    if target is None:
+        return
+    require_parent(target)
+    for path in (*inputs, *_robot_files(robot)):
+        if path is None or (isinstance(path, str) and not Path(path).is_file()):
+            continue
+        if _same_file(target, Path(path)):
+            raise FileExistsError(errno.EEXIST, "is a file that the command reads or writes as well", str(target))
+
+
+def _same_file(a: Path, b: Path) -> bool:
+    return a.samefile(b) if a.exists() and b.exists() else a.resolve() == b.resolve()
+
+
+def _robot_files(robot: str | None) -> Iterator[Path | str]:
+    from frontal_biped.exceptions import RobotError
+    from frontal_biped.model.catalogue import description_path
+    from frontal_biped.model.urdf.description import read_description
+
+    if robot is None:
+        return
+    yield robot
+    try:
+        path = description_path(robot)
+        yield path
+        yield read_description(path).urdf
+    except RobotError:  # said, better, by whatever loads the robot
+        return

@@ -16,7 +16,7 @@ from frontal_biped.cli.arguments import (
     whole_number,
 )
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
-from frontal_biped.cli.output import emit
+from frontal_biped.cli.output import emit, require_output
 from frontal_biped.cli.progress import Progress
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ _ENGINES = (
     "mujoco: MuJoCo's contact, and a walker that sees sensor readings only (extra mujoco); both: that walker in MuJoCo"
     " and in ours, side by side; -o RUN.npz then writes RUN.mujoco.npz and RUN.ours.npz; default: ours"
 )
+_ENGINES_OF = {"ours": ("ours",), "mujoco": ("mujoco",), "both": ("mujoco", "ours")}
 _STABILISERS = (
     "fixed, re-anchored, adaptive, ankle, step, step-lqr or ankle+step; default: adaptive, in MuJoCo with"
     " the energy law"
@@ -62,14 +63,13 @@ def run(arguments: argparse.Namespace) -> int:
     from frontal_biped.analysis.cross_check import cross_check
     from frontal_biped.cli.sources import load_walker
     from frontal_biped.exceptions import SimulationError
-    from frontal_biped.files.atomic import require_parent
     from frontal_biped.simulation.disturbances import Disturbances
     from frontal_biped.simulation.trajectory import save_trajectory
     from frontal_biped.simulation.walking import sampled_settings, simulate
 
     biped, gait = load_walker(arguments.gait, arguments.robot)
-    if arguments.output is not None:
-        require_parent(arguments.output)
+    for path in _paths(arguments.output, _ENGINES_OF[arguments.engine]).values():
+        require_output(path, arguments.gait, robot=arguments.robot)
     period = None if arguments.continuous else 1.0 / arguments.rate
     settings = sampled_settings(gait, period, outputs=arguments.controller)
     walk: dict[str, Any] = {
@@ -95,7 +95,7 @@ def run(arguments: argparse.Namespace) -> int:
             check, by_engine = cross_check(
                 biped,
                 gait,
-                engines=("mujoco", "ours") if arguments.engine == "both" else ("mujoco",),
+                engines=_ENGINES_OF[arguments.engine],
                 on_step=lambda engine, done: progress.update(f"in {engine}", done),
                 **walk,
                 stabiliser=arguments.stabiliser,
