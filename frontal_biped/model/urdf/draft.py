@@ -1,6 +1,7 @@
 """What proposals of descriptions are made of: reach, soles, reduction, numbers as a file has them."""
 
 import contextlib
+import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,12 +13,15 @@ import pinocchio as pin
 from frontal_biped.exceptions import HypothesisError, RobotError
 from frontal_biped.model.robot import Robot
 from frontal_biped.model.urdf.description import RobotDescription, Sole
-from frontal_biped.model.urdf.legs import Legs, find_legs
+from frontal_biped.model.urdf.legs import Legs, find_legs, look_like_arms, named_legs
 from frontal_biped.model.urdf.packages import EXAMPLE_ROBOT_DATA, example_robot_data_dir
 from frontal_biped.model.urdf.read import read_urdf
 from frontal_biped.model.urdf.reduction import FrontalReduction, reduce_to_frontal_plane
 from frontal_biped.model.urdf.soles import MeasuredSole, measure_sole
 from frontal_biped.model.urdf.whole_model import build_model
+
+SMALLEST_LEG, LARGEST_LEG = 0.01, 5.0
+"""Lengths of legs [m] of robots that are taken for robots."""
 
 ZERO_ANGLE = 5e-5
 """Angles [rad] this small are left out of a proposed posture where the joint can be at zero."""
@@ -47,6 +51,7 @@ class FirstDraft(NamedTuple):
         legs: its legs.
         urdf_text: the URDF.
         notes: comment lines for the file.
+        undecided: what the user must settle.
     """
 
     description: RobotDescription
@@ -54,6 +59,7 @@ class FirstDraft(NamedTuple):
     legs: Legs
     urdf_text: str
     notes: list[str]
+    undecided: list[str]
 
 
 def first_draft(urdf: Path) -> FirstDraft:
@@ -66,7 +72,7 @@ def first_draft(urdf: Path) -> FirstDraft:
     name = urdf.stem
     draft = RobotDescription(name, urdf, {}, {}, Sole(0.0, 0.0), None, None, urdf)
     full = build_model(draft, text)
-    legs = find_legs(full, str(urdf))
+    legs = find_legs(full, str(urdf), _mimics(text))
     joints = {
         "left_ankle": legs.left[legs.roll[-1]],
         "left_hip": legs.left[legs.roll[0]],
@@ -79,25 +85,27 @@ def first_draft(urdf: Path) -> FirstDraft:
     if len(legs.roll) > 2:
         spare = ", ".join(legs.left[i] for i in legs.roll[1:-1])
         notes.append(f"of the leg's roll joints the first and the last are taken; {spare} is locked")
-    return FirstDraft(replace(draft, joints=joints, posture=reachable(full)), full, legs, text, notes)
+    undecided = []
+    if look_like_arms(full, legs):
+        undecided.append(
+            f"legs: {', '.join(legs.left)} hangs above the centre of mass of the rest, as an arm does; if these are no"
+            " legs, this is no biped"
+        )
+    return FirstDraft(replace(draft, joints=joints, posture=reachable(full)), full, legs, text, notes, undecided)
+
+
+def _mimics(urdf_text: str) -> set[str]:
+    joints = ElementTree.fromstring(urdf_text).findall("joint")
+    return {joint.get("name", "") for joint in joints if joint.find("mimic") is not None}
 
 
 def legs_of(description: RobotDescription, full: pin.Model) -> Legs:
-    """The robot's legs, if its described joints are theirs.
+    """The legs that the robot's described joints name.
 
     Raises:
-        RobotError: no legs are found, or a described joint is of neither, or of the wrong one.
+        HypothesisError: a described joint is of no leg, or of the wrong one, or the legs are no mirror images.
     """
-    legs = find_legs(full, str(description.urdf))
-    for side, names in (("left", legs.left), ("right", legs.right)):
-        for part in ("hip", "ankle"):
-            joint = description.joints[f"{side}_{part}"]
-            if joint not in names:
-                raise RobotError(
-                    f"{description.path}: [joints] {side}_{part} = {joint!r} is not of the {side} leg:"
-                    f" {', '.join(names)}"
-                )
-    return legs
+    return named_legs(full, description.joints, str(description.path))
 
 
 def reachable(full: pin.Model) -> dict[str, float]:
@@ -188,11 +196,26 @@ def reduce_draft(
             draft = replace(draft, symmetrise=True)
             share = 100.0 * reduction.asymmetry.mass_matrix
             comments["symmetrise"] = f"the legs differ by {share:.2g} % of the mass matrix"
+    if reduction is not None:
+        problems += _implausible(reduction)
     if reduction is not None and not draft.gait:
         hips = float(np.linalg.norm(reduction.chain.joints[2] - reduction.chain.joints[1]))
         draft = replace(draft, gait=_gait(hips))
         comments["gait"] = "used where no specification is given; step_width: 0.8 to 1.8 hip widths"
     return draft, problems
+
+
+def _implausible(reduction: FrontalReduction) -> list[str]:
+    """Sizes of no robot, in words; a URDF is in metres whatever the CAD program was in."""
+    ankle, hip, other = (reduction.chain.joints[i] for i in range(3))
+    leg, hips = float(np.linalg.norm(hip - ankle)), float(np.linalg.norm(other - hip))
+    if SMALLEST_LEG <= leg <= LARGEST_LEG and hips <= LARGEST_LEG:
+        return []
+    unit = "millimetres" if leg > 50.0 * LARGEST_LEG / 5.0 else "centimetres" if leg > LARGEST_LEG else "kilometres"
+    return [
+        f"sizes: hips {hips:.3g} m apart, legs {leg:.3g} m long; is the file in {unit}? A URDF is in metres: scale its"
+        " <origin xyz>, shapes and inertias"
+    ]
 
 
 def _gait(hip_width: float) -> dict[str, Any]:

@@ -36,11 +36,11 @@ def propose_description(urdf: Path) -> Proposal:
         RobotError: the URDF cannot be read, or it is no biped that can walk in its frontal plane; `HypothesisError`
             names the hypothesis.
     """
-    draft, full, legs, text, notes = first_draft(urdf)
+    draft, full, legs, text, notes, undecided = first_draft(urdf)
     notes.append(
         "armature: a URDF does not tell the rotors' reflected inertia; add [armature] ankle, hip (kg m^2) if known"
     )
-    return _complete(draft, full, legs, text, notes, [])
+    return _complete(draft, full, legs, text, notes, undecided)
 
 
 def propose_posture(path: Path) -> Proposal:
