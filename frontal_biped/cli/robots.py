@@ -135,9 +135,12 @@ def _propose(arguments: argparse.Namespace) -> int:
     table = {
         "description": proposal.text,
         "undecided": list(proposal.undecided),
+        "changed": list(proposal.changed),
         "output": None if output is None else str(output),
     }
     emit(arguments, table, shown)
+    for line in proposal.changed:
+        sys.stderr.write(f"frontal-biped: changed: {line}\n")
     for line in proposal.undecided:
         sys.stderr.write(f"frontal-biped: not decided: {line}\n")
     return TASK_FAILED if proposal.undecided else SUCCESS

@@ -23,6 +23,9 @@ from frontal_biped.model.urdf.whole_model import build_model
 SMALLEST_LEG, LARGEST_LEG = 0.01, 5.0
 """Lengths of legs [m] of robots that are taken for robots."""
 
+CHANGED = 1e-3
+"""Difference [rad] from which on an angle is called another one than was given."""
+
 ZERO_ANGLE = 5e-5
 """Angles [rad] this small are left out of a proposed posture where the joint can be at zero."""
 
@@ -35,11 +38,13 @@ class Proposal:
         text: the file, with what was found and what not as comments at its head.
         undecided: what the user must settle before the robot can walk.
         folder: where the file belongs: its ``urdf`` is relative to it.
+        changed: what is no longer as the user had it.
     """
 
     text: str
     undecided: tuple[str, ...]
     folder: Path
+    changed: tuple[str, ...] = ()
 
 
 class FirstDraft(NamedTuple):
@@ -118,6 +123,13 @@ def reachable(full: pin.Model) -> dict[str, float]:
             if not low <= 0.0 <= high:
                 angles[name] = float(np.clip(0.0, low, high))
     return angles
+
+
+def changed_angles(given: Mapping[str, float], found: Mapping[str, float]) -> list[str]:
+    """Lines that say which angles of a posture are not those that were given [rad]."""
+    differ = {name: (old, found.get(name, 0.0)) for name, old in given.items()}
+    shown = [f"{name} from {old:g} to {new:g}" for name, (old, new) in differ.items() if abs(old - new) > CHANGED]
+    return [f"posture: {', '.join(shown)} rad"] if shown else []
 
 
 def rounded(full: pin.Model, draft: RobotDescription, found: Mapping[str, float]) -> dict[str, float]:
