@@ -67,9 +67,9 @@ def run(arguments: argparse.Namespace) -> int:
     from frontal_biped.simulation.trajectory import save_trajectory
     from frontal_biped.simulation.walking import sampled_settings, simulate
 
-    biped, gait = load_walker(arguments.gait, arguments.robot)
     for path in _paths(arguments.output, _ENGINES_OF[arguments.engine]).values():
         require_output(path, arguments.gait, robot=arguments.robot)
+    biped, gait = load_walker(arguments.gait, arguments.robot)
     period = None if arguments.continuous else 1.0 / arguments.rate
     settings = sampled_settings(gait, period, outputs=arguments.controller)
     walk: dict[str, Any] = {

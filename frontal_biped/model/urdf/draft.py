@@ -21,7 +21,10 @@ from frontal_biped.model.urdf.soles import MeasuredSole, measure_sole
 from frontal_biped.model.urdf.whole_model import build_model
 
 SMALLEST_LEG, LARGEST_LEG = 0.01, 5.0
-"""Lengths of legs [m] of robots that are taken for robots."""
+"""Lengths of legs [m], and distances of hips, of robots that are taken for robots."""
+
+CENTIMETRE_LEG = 150.0
+"""Longest leg [m] of a file that is in centimetres; longer ones are in millimetres."""
 
 CHANGED = 1e-3
 """Difference [rad] from which on an angle is called another one than was given."""
@@ -223,7 +226,7 @@ def _implausible(reduction: FrontalReduction) -> list[str]:
     leg, hips = float(np.linalg.norm(hip - ankle)), float(np.linalg.norm(other - hip))
     if SMALLEST_LEG <= leg <= LARGEST_LEG and hips <= LARGEST_LEG:
         return []
-    unit = "millimetres" if leg > 50.0 * LARGEST_LEG / 5.0 else "centimetres" if leg > LARGEST_LEG else "kilometres"
+    unit = "kilometres" if leg < SMALLEST_LEG else "centimetres" if leg <= CENTIMETRE_LEG else "millimetres"
     return [
         f"sizes: hips {hips:.3g} m apart, legs {leg:.3g} m long; is the file in {unit}? A URDF is in metres: scale its"
         " <origin xyz>, shapes and inertias"
