@@ -26,6 +26,9 @@ SMALLEST_LEG, LARGEST_LEG = 0.01, 5.0
 CENTIMETRE_LEG = 150.0
 """Longest leg [m] of a file that is in centimetres; longer ones are in millimetres."""
 
+ANKLES_APART = 2e-3
+"""Distance [m] along x of the ankle roll joints' origins that soles measured from either may have."""
+
 CHANGED = 1e-3
 """Difference [rad] from which on an angle is called another one than was given."""
 
@@ -99,7 +102,22 @@ def first_draft(urdf: Path) -> FirstDraft:
             f"legs: {', '.join(legs.left)} hangs above the centre of mass of the rest, as an arm does; if these are no"
             " legs, this is no biped"
         )
+    apart = _ankles_apart(full, legs, joints)
+    if abs(apart) > ANKLES_APART:
+        undecided.append(
+            f"legs: the origin of {joints['right_ankle']} is {apart:+.3f} m ahead of that of {joints['left_ankle']},"
+            " and soles are measured from there; move it along its axis, and what hangs from it back"
+        )
     return FirstDraft(replace(draft, joints=joints, posture=reachable(full)), full, legs, text, notes, undecided)
+
+
+def _ankles_apart(full: pin.Model, legs: Legs, joints: Mapping[str, str]) -> float:
+    """How far the right ankle roll joint has its origin ahead of the left one's, all joints at zero [m]."""
+    data, q = full.createData(), pin.neutral(full)
+    q[3:7] = pin.Quaternion(legs.upright).coeffs()
+    pin.forwardKinematics(full, data, q)
+    left, right = (data.oMi[full.getJointId(joints[f"{side}_ankle"])].translation[0] for side in ("left", "right"))
+    return float(right - left)
 
 
 def _mimics(urdf_text: str) -> set[str]:

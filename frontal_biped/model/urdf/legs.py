@@ -97,7 +97,9 @@ def find_legs(full: pin.Model, where: str, mimics: Collection[str] = ()) -> Legs
         raise HypothesisError(
             "HR5",
             f"{where}: a leg needs a roll joint at the hip and one at the ankle, of {', '.join(legs.left)} there is"
-            f" {have}; point and line feet cannot hold the frontal plane",
+            f" {have}; point and line feet cannot hold the frontal plane. A joint rolls if its axis is within"
+            f" {np.degrees(NEARLY_ALONG):.0f} degrees of X: one that is not can be named in a description with"
+            " virtual_legs = true",
         )
     return legs
 

@@ -9,6 +9,7 @@ import pytest
 from frontal_biped.cli import main
 from frontal_biped.exceptions import HypothesisError, RobotError
 from frontal_biped.model import load_robot, load_whole_robot
+from frontal_biped.model.urdf.bent_proposal import propose_walking_description
 from frontal_biped.model.urdf.description import read_description
 from frontal_biped.model.urdf.inertia_check import check_inertias
 from frontal_biped.model.urdf.proposal import propose_description, propose_posture
@@ -72,22 +73,19 @@ def rods():
     return edited("</robot>", text + "</robot>")
 
 
-def slid_along_axes():
-    """The right leg's joints have their origins elsewhere on their axes; links and shapes stay where they were."""
+PITCH_SLIDES = (("right_hip_pitch_j", (0.0, 0.03, 0.0)), ("right_knee_j", (0.0, -0.05, 0.0)))
+HIP_ROLL_SLIDES = (("right_hip_roll_j", (0.06, 0.0, 0.0)),)
+
+
+def slid_along_axes(slides):
+    """Joints have their origins elsewhere on their axes; links and shapes stay where they were."""
     text = MINI
-    for joint, child, slide in (
-        ("right_hip_pitch_j", "right_thigh", (0.0, 0.03, 0.0)),
-        ("right_knee_j", "right_shank", (0.0, -0.05, 0.0)),
-    ):
-        back = " ".join(str(-part) for part in slide)
-        x, y, z = re.search(rf'name="{joint}".*?xyz="(\S+) (\S+) (\S+)"', text).groups()
+    for joint, slide in slides:
+        child, x, y, z = re.search(rf'name="{joint}".*?child link="(\w+)".*?xyz="(\S+) (\S+) (\S+)"', text).groups()
         moved = " ".join(str(float(a) + b) for a, b in zip((x, y, z), slide, strict=True))
-        text = text.replace(
-            re.search(rf'name="{joint}".*?<axis', text).group(),
-            re.search(rf'name="{joint}".*?<axis', text).group().replace(f"{x} {y} {z}", moved),
-        )
+        text = edited(rf'(name="{joint}".*?child link="\w+)(".*?xyz=)"[^"]*"', rf'\1_slid\2"{moved}"', text)
         # what hangs below is moved back by a fixed joint
-        text = text.replace(f'<child link="{child}"/>', f'<child link="{child}_slid"/>')
+        back = " ".join(str(-part) for part in slide)
         text = edited(
             "</robot>",
             f'<link name="{child}_slid"/><joint name="{child}_back" type="fixed"><parent link="{child}_slid"/>'
@@ -128,7 +126,8 @@ WAYS = {
         '<link name="world"/><joint name="s" type="fixed"><parent link="world"/><child link="body"/></joint>'
     ),
     "rods beside the legs": rods(),
-    "origins elsewhere on their axes": slid_along_axes(),
+    "origins of pitch joints elsewhere on their axes": slid_along_axes(PITCH_SLIDES),
+    "the origin of a hip roll joint elsewhere on its axis": slid_along_axes(HIP_ROLL_SLIDES),
 }
 
 
@@ -312,6 +311,27 @@ def test_sides_follow_the_description(tmp_path):
     assert 'left_hip = "right_hip_roll_j"' in text
     proposal = propose_posture(written(tmp_path, MINI, text))
     assert "rpy = [0.0, 0.0, 3.14" in proposal.text
+
+
+def test_ankles_with_origins_apart_are_said(tmp_path):
+    """Nothing in the plane depends on it, but soles are measured from there."""
+    text = slid_along_axes((("right_ankle_roll_j", (0.04, 0.0, 0.0)),))
+    (line,) = propose_description(written(tmp_path, text)).undecided
+    assert "right_ankle_roll_j is +0.040 m ahead of that of left_ankle_roll_j" in line
+
+
+def test_an_ankle_that_rolls_above_its_pitch_joint_walks_in_the_plane_only(tmp_path):
+    """The refusal in space names the joint that is in the way."""
+    text = MINI
+    for side in ("left", "right"):
+        roll, pitch = f'"{side}_ankle_roll_j"', f'"{side}_ankle_pitch_j"'
+        text = text.replace(roll, "@").replace(pitch, roll).replace("@", pitch)
+        text = edited(rf'(name={roll}.*?axis xyz=)"0 1 0"', r'\1"1 0 0"', text)
+        text = edited(rf'(name={pitch}.*?axis xyz=)"1 0 0"', r'\1"0 1 0"', text)
+    urdf = written(tmp_path, text)
+    assert propose_description(urdf).undecided == ()
+    with pytest.raises(RobotError, match="here left_ankle_pitch_j moves below the ankle roll joint"):
+        propose_walking_description(urdf, tmp_path)
 
 
 # ------------------------------------------------------------------ a posture that was given
