@@ -240,11 +240,12 @@ def _mirrored_pairs(full: pin.Model, pairs: Sequence[tuple[list[int], list[int]]
         q = _upright(full, upright)
         com = pin.centerOfMass(full, data, q)[:].copy()
         pin.computeJointJacobians(full, data, q)
+        every = _Lines.of(full, data)
         for a, b in pairs:
             if len(a) != len(b) or not a:
                 continue
             left, right = (b, a) if data.oMi[a[-1]].translation[1] < data.oMi[b[-1]].translation[1] else (a, b)
-            lines = _Lines.of(full, data, left), _Lines.of(full, data, right)
+            lines = every.of_chain(left), every.of_chain(right)
             first, last = lines[0].points[0], lines[0].points[-1]
             middle = _middle(*lines)
             size = float(np.linalg.norm(last - first))
@@ -270,7 +271,7 @@ def _mirrored_pairs(full: pin.Model, pairs: Sequence[tuple[list[int], list[int]]
 
 
 class _Lines(NamedTuple):
-    """The axes of a chain's joints.
+    """The axes of joints.
 
     Attributes:
         points: (n, 3) the origins of the joints, one point of each axis.
@@ -281,9 +282,17 @@ class _Lines(NamedTuple):
     axes: FloatArray
 
     @classmethod
-    def of(cls, full: pin.Model, data: pin.Data, chain: Sequence[int]) -> "_Lines":
-        points = np.array([data.oMi[joint].translation for joint in chain])
-        return cls(points, np.array([_axis(full, data, joint) for joint in chain]))
+    def of(cls, full: pin.Model, data: pin.Data) -> "_Lines":
+        """Of all joints of a model, where its Jacobians have been computed."""
+        joints = range(full.njoints)
+        return cls(
+            np.array([data.oMi[joint].translation for joint in joints]),
+            np.array([_axis(full, data, joint) for joint in joints]),
+        )
+
+    def of_chain(self, chain: Sequence[int]) -> "_Lines":
+        """Of some of the joints, in their order."""
+        return _Lines(self.points[chain], self.axes[chain])
 
 
 _MIRROR = np.array([1.0, -1.0, 1.0])
