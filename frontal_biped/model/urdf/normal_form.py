@@ -11,12 +11,17 @@ that needs nothing of this stays as it is, byte for byte: the fingerprints of ga
                                        the joint is fixed: the robot floats anyway
     a material without a name          named, for one hides all shapes of its link; beside the links, dropped
     a material defined twice           the first holds
+    a capsule                          a cylinder and two spheres
     a shape without a geometry         dropped, for it hides all shapes of its link
 """
 
+import copy
 import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable
+
+import numpy as np
+import pinocchio as pin
 
 from frontal_biped.model.urdf.numbers_of_text import number_texts, plain_spelling
 
@@ -43,6 +48,7 @@ def normal_form(text: str, root: ElementTree.Element) -> str:
         _floating_root_fixed(root),
         _links_renamed(root),
         _materials_named(root),
+        _capsules_parted(root),
         _empty_shapes_dropped(root),
     ]
     return ElementTree.tostring(root, encoding="unicode") if any(changes) else text
@@ -114,6 +120,37 @@ def _materials_named(root: ElementTree.Element) -> bool:
                 names.add(f"material_{number}")
                 changed = True
     return changed
+
+
+def _capsules_parted(root: ElementTree.Element) -> bool:
+    changed = False
+    for link in root.findall("link"):
+        for shape in _shapes(link):
+            geometry, capsule = shape.find("geometry"), shape.find("geometry/capsule")
+            if geometry is None or capsule is None or not {"radius", "length"} <= set(capsule.attrib):
+                continue
+            for sense in (1.0, -1.0):
+                link.append(_end_of_capsule(shape, 0.5 * sense * float(capsule.attrib["length"])))
+            capsule.tag = "cylinder"
+            changed = True
+    return changed
+
+
+def _end_of_capsule(shape: ElementTree.Element, height: float) -> ElementTree.Element:
+    """The sphere on the axis of a capsule at a height above its middle [m]."""
+    end = copy.deepcopy(shape)
+    end.attrib.pop("name", None)
+    sphere = end.find("geometry/capsule")
+    origin = end.find("origin")
+    assert sphere is not None
+    sphere.tag = "sphere"
+    del sphere.attrib["length"]
+    if origin is None:
+        origin = ElementTree.SubElement(end, "origin")
+    xyz, rpy = (np.array([float(word) for word in origin.get(key, "0 0 0").split()]) for key in ("xyz", "rpy"))
+    place = xyz + height * pin.rpy.rpyToMatrix(*rpy)[:, 2]
+    origin.set("xyz", " ".join(repr(float(part)) for part in place))
+    return end
 
 
 def _empty_shapes_dropped(root: ElementTree.Element) -> bool:

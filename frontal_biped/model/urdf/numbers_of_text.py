@@ -25,6 +25,7 @@ OF_LINK = {
     "box": {"size": 3},
     "cylinder": {"radius": 1, "length": 1},
     "sphere": {"radius": 1},
+    "capsule": {"radius": 1, "length": 1},
     "mesh": {"scale": 3},
 }
 """Numbers that an attribute of an element of a link holds."""

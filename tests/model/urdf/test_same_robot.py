@@ -14,6 +14,7 @@ from frontal_biped.model.urdf.description import read_description
 from frontal_biped.model.urdf.inertia_check import check_inertias
 from frontal_biped.model.urdf.proposal import propose_description, propose_posture
 from frontal_biped.model.urdf.read import read_urdf
+from frontal_biped.model.urdf.soles import SOLE_THICKNESS
 
 MINI = (Path(__file__).parents[2] / "data" / "mini.urdf").read_text(encoding="utf-8")
 MASS = 44.6  # [kg]; the sum of its file's masses
@@ -242,6 +243,25 @@ def test_lengths_that_are_no_metres_are_asked_about(scale, unit, tmp_path):
     text = re.sub(r'(origin xyz|size)="([^"]*)"', scaled, MINI)
     undecided = propose_description(written(tmp_path, text)).undecided
     assert any(f"is the file in {unit}?" in line and f"hips {0.18 * scale:.3g} m apart" in line for line in undecided)
+
+
+def test_a_foot_of_capsules_is_measured(tmp_path):
+    """Two capsules along X, 0.08 m apart: radius 0.01 m, 0.2 m from end to end."""
+    capsules = "".join(
+        f'<collision><origin xyz="0.03 {y} -0.05" rpy="0 1.5707963267948966 0"/>'
+        '<geometry><capsule radius="0.01" length="0.18"/></geometry></collision>'
+        for y in (0.04, -0.04)
+    )
+    text = edited(r'<collision>(?:(?!</collision>).)*size="0.2 0.1 0.02".*?</collision>', capsules)
+    proposal = propose_description(written(tmp_path, text))
+    assert proposal.undecided == ()
+    sole = read_description(written(tmp_path, text, proposal.text)).sole
+    assert sole.ankle_height == pytest.approx(0.06, abs=1e-4)
+    # what is less than SOLE_THICKNESS above the ground belongs to the sole
+    beside = (0.01**2 - (0.01 - SOLE_THICKNESS) ** 2) ** 0.5
+    assert 0.04 <= sole.inner == sole.outer <= 0.04 + beside
+    # of a round end its lowest point counts
+    assert (sole.front, sole.back) == pytest.approx((0.12, 0.06), abs=1e-3)
 
 
 # ------------------------------------------------------------------ legs, arms, and what the user says
