@@ -32,7 +32,7 @@ def main(steps: int = 10) -> None:
     gait = fb.design_gait(robot, specification).gait
     assert gait is not None
 
-    run = fb.simulate(robot, gait, steps=steps, period=PERIOD)
+    run = fb.simulate(robot, gait, steps=steps, period=PERIOD, stabiliser="adaptive")  # told the state
     torque, sideways = np.max(np.abs(run.u)), np.max(np.abs(run.force[:, 0] / run.force[:, 1]))
     counted = run.settings["controller"]
     print(f"{run.steps_completed} steps at 1 kHz: {run.outcome}; {counted['unsolved']} of the programs unsolved")

@@ -85,7 +85,7 @@ class TestGait:
     @pytest.mark.parametrize("name", ["gait.json", "without_specification.json"])
     def test_walks_a_step(self, walker, name):
         gait = load_gait(OLD / name)
-        run = simulate(walker, gait, steps=1, period=1e-3)
+        run = simulate(walker, gait, steps=1, period=1e-3, stabiliser="adaptive")
         assert run.outcome == "completed"
         assert run.post_impact_speeds[-1] == pytest.approx(gait.orbit.beta_dot_after_impact, rel=RETURN)
 
@@ -115,7 +115,7 @@ class TestRun:
 
     def test_walked_again(self, run, walker, old_gait):
         """The same robot, gait and controller: the states after the impacts agree."""
-        again = simulate(walker, old_gait, steps=2, period=1e-3)
+        again = simulate(walker, old_gait, steps=2, period=1e-3, stabiliser="adaptive")
         assert again.post_impact_states() == pytest.approx(run.post_impact_states(), abs=1e-6)
 
     def test_drawn(self, run, walker):

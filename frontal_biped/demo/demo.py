@@ -190,7 +190,7 @@ def _robust_card(
 def _sampled(
     biped: FrontalBiped, gait: Gait, period: float, steps: int, settings: ControllerSettings | None = None
 ) -> SampledRun:
-    run = simulate(biped, gait, steps=steps, period=period, controller_settings=settings)
+    run = simulate(biped, gait, steps=steps, period=period, stabiliser="adaptive", controller_settings=settings)
     return SampledRun(period, run.steps_completed, float(np.max(np.abs(run.output_error))))
 
 

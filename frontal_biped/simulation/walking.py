@@ -32,7 +32,7 @@ def simulate(
     period: float | None = None,
     speed_error: float = 0.0,
     stance: Stance = Stance.LEFT,
-    stabiliser: Stabiliser | str = "adaptive",
+    stabiliser: Stabiliser | str | None = None,
     disturbances: Disturbances | None = None,
     errors: ModelErrors | None = None,
     controller_settings: ControllerSettings | None = None,
@@ -41,6 +41,9 @@ def simulate(
 ) -> Trajectory:
     """Walk a gait in the full model under the QP controller, from its periodic orbit.
 
+    With a control period and no stabiliser it is the `Walker` that walks, from sensor readings, as in `walk`: torques
+    that are held leave errors which phases over beta alone, on gaits of small range, do not survive.
+
     Args:
         biped: the robot.
         gait: the gait.
@@ -48,7 +51,8 @@ def simulate(
         period: control period [s], a zero-order hold; None: the controller acts in continuous time.
         speed_error: relative error of the first post-impact speed, all joints alike, so that the start stays on Z.
         stance: first stance foot.
-        stabiliser: a stabiliser, or one of `STABILISERS` by name.
+        stabiliser: of a controller that is told the state: a stabiliser, or one of `STABILISERS` by name; default:
+            "adaptive" in continuous time and for a control Lyapunov function, with a period otherwise the walker.
         disturbances: noise, pushes and more; they need a period.
         errors: how the robot that walks differs from ``biped``, which the controller believes in.
         controller_settings: gains and limits; default: the limits of the gait's specification, and with a period the
@@ -61,6 +65,10 @@ def simulate(
     """
     base = simulation_settings or SimulationSettings()
     settings = replace(base, steps=steps, period=period, disturbances=disturbances or base.disturbances)
+    linearising = controller_settings is None or controller_settings.outputs == "linearising"
+    if stabiliser is None and period is not None and linearising:
+        return _walked(biped, gait, "ours", settings, speed_error, stance, None, errors, controller_settings, on_step)
+    stabiliser = stabiliser or "adaptive"
     chosen = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
     controller = QpController(biped, gait, controller_settings or sampled_settings(gait, period), chosen)
     stored = {**asdict(controller.settings), "speed_error": speed_error, "stabiliser": chosen.name}
@@ -126,10 +134,27 @@ def walk(
     """
     if engine not in ENGINES:
         raise SimulationError(f"no engine {engine!r}; known: {', '.join(ENGINES)}")
-    known = disturbances or Disturbances()
-    delay = period * known.delay_ticks(period)
+    settings = SimulationSettings(steps=steps, period=period, disturbances=disturbances or Disturbances())
+    return _walked(biped, gait, engine, settings, speed_error, stance, stabiliser, errors, controller_settings, on_step)
+
+
+def _walked(
+    biped: FrontalBiped,
+    gait: Gait,
+    engine: str,
+    settings: SimulationSettings,
+    speed_error: float,
+    stance: Stance,
+    stabiliser: Stabiliser | str | None,
+    errors: ModelErrors | None,
+    controller_settings: ControllerSettings | None,
+    on_step: Callable[[int], None] | None,
+) -> Trajectory:
+    """A `Walker` in an engine; it knows the delay."""
+    assert settings.period is not None
+    period = settings.period
+    delay = period * settings.disturbances.delay_ticks(period)
     walker = Walker(biped, gait, period=period, settings=controller_settings, stabiliser=stabiliser, delay=delay)
-    settings = SimulationSettings(steps=steps, period=period, disturbances=known)
     return ENGINES[engine](
         biped,
         walker,

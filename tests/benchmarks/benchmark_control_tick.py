@@ -68,7 +68,7 @@ def walking_states(robot: FrontalBiped, gait: Gait, count: int) -> Iterator[Aske
     """The states of a sampled walk, tick after tick."""
     steps = int(np.ceil(count * PERIOD / gait.orbit.step_duration)) + 1
     settings = fb.simulation.SimulationSettings(record_rate=1.0 / PERIOD)
-    run = fb.simulate(robot, gait, steps=steps, period=PERIOD, simulation_settings=settings)
+    run = fb.simulate(robot, gait, steps=steps, period=PERIOD, stabiliser="adaptive", simulation_settings=settings)
     for rising, q, dq in list(zip(run.phase > 0, run.q, run.dq, strict=True))[:count]:
         yield (StepPhase.RISING if rising else StepPhase.FALLING), q, dq
 

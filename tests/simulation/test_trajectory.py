@@ -13,7 +13,14 @@ from frontal_biped.simulation.walking import simulate
 
 @pytest.fixture(scope="module")
 def run(biped, level_gait):
-    return simulate(biped, level_gait, steps=2, period=2e-3, simulation_settings=SimulationSettings(record_rate=100.0))
+    return simulate(
+        biped,
+        level_gait,
+        steps=2,
+        period=2e-3,
+        stabiliser="adaptive",
+        simulation_settings=SimulationSettings(record_rate=100.0),
+    )
 
 
 def test_round_trip_is_exact(run, tmp_path):

@@ -192,7 +192,14 @@ def test_pushes_are_told(biped, gait, walk):
     assert page_data(cast(biped, broken))["runs"][0]["pushes"] == []
     from frontal_biped.simulation.walking import simulate
 
-    run = simulate(biped, gait, steps=1, period=5e-3, disturbances=Disturbances(pushes=(Push(0.1, 0.05, 0.5),)))
+    run = simulate(
+        biped,
+        gait,
+        steps=1,
+        period=5e-3,
+        stabiliser="adaptive",
+        disturbances=Disturbances(pushes=(Push(0.1, 0.05, 0.5),)),
+    )
     assert page_data(cast(biped, run))["runs"][0]["pushes"] == [{"start": 0.1, "duration": 0.05, "impulse": 0.5}]
 
 
