@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from frontal_biped.simulation.space.walk_spatial import walk_spatial
     from frontal_biped.simulation.trajectory import Trajectory, load_trajectory, save_trajectory
     from frontal_biped.simulation.walking import simulate
+    from frontal_biped.simulation.whole_robot import whole_motion
 
 __docformat__ = "google"
 
@@ -70,6 +71,7 @@ __all__ = [
     "save_trajectory",
     "simulate",
     "walk_spatial",
+    "whole_motion",
 ]
 
 _HOME = {
@@ -98,6 +100,7 @@ _HOME = {
     "save_trajectory": "simulation",
     "simulate": "simulation",
     "walk_spatial": "simulation",
+    "whole_motion": "simulation",
 }
 
 

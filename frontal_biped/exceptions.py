@@ -59,3 +59,13 @@ class MissingExtraError(FrontalBipedError):
 
 class ScenarioError(FrontalBipedError):
     """A scenario with an unknown key, a wrong type, a value out of range, or parts that do not go together."""
+
+
+class UnknownNameError(FrontalBipedError, KeyError):
+    """A name, of a joint say, that something asked by name does not have; the message names one that it has."""
+
+    __str__ = Exception.__str__  # a KeyError would put the message into quotes
+
+
+class ControllerError(FrontalBipedError):
+    """A user's controller that cannot be asked, or whose answer cannot be used; the message says what to return."""

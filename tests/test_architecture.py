@@ -32,7 +32,7 @@ MAY_IMPORT = {
     "zero_dynamics": ANYONE | {"model", "virtual_constraints"},
     "gait": ANYONE | MECHANICS,
     "control": ANYONE | MECHANICS | {"gait"},
-    "simulation": ANYONE | MECHANICS | {"gait", "control"},
+    "simulation": ANYONE | {"model", "virtual_constraints", "gait", "control"},
     "design": ANYONE | MECHANICS | {"gait", "simulation"},
     "analysis": ANYONE | MECHANICS | {"gait", "control", "simulation"},
     "viewer": ANYONE | {"model", "virtual_constraints", "simulation"},
@@ -62,6 +62,7 @@ ONLY_IN = {
     "distributed": {"library.executors"},
     "mujoco": {"simulation.mujoco"},
     "viser": {"studio"},
+    "mcap_ros2": {"simulation.mcap_log"},
     "pytest": {"pytest_plugin"},
 }
 

@@ -9,7 +9,10 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.gait.specification import GaitSpecification
+from frontal_biped.gait.whole_orbit import whole_orbit
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.robot import Robot
+from frontal_biped.model.space.whole_motion import WholeMotion
 from frontal_biped.model.state import State
 from frontal_biped.virtual_constraints.invariance import invariance_residuals
 from frontal_biped.virtual_constraints.phase import Phase
@@ -96,6 +99,22 @@ class Gait:
         """The state at the start of the rising phase on the periodic orbit."""
         motion = self.rising.motion(np.array([self.rising.beta_start]))
         return State(motion.q[0], motion.dq[0] * self.orbit.beta_dot_after_impact)
+
+    def trajectory(self, robot: Robot | FrontalBiped, rate: float, steps: int = 2) -> WholeMotion:
+        """Steps of the periodic orbit as a motion of every joint of the URDF, for a driver, Pinocchio or MuJoCo.
+
+        Args:
+            robot: the whole robot, or its view from the front.
+            rate: samples per second.
+            steps: how many, the first on the left foot from right after an impact.
+
+        Raises:
+            SpecificationError: rate or steps is not positive.
+            RobotError: a joint has more than one freedom, or legs do not reach a pose; one line.
+            HypothesisError: the robot is no frontal biped (HR1 to HR5).
+        """
+        biped = robot if isinstance(robot, FrontalBiped) else FrontalBiped(robot)
+        return whole_orbit(biped, (self.rising, self.falling), self.step(biped), self.step_width, rate, steps)
 
     def residuals(self, biped: FrontalBiped, step: StepOrbit | None = None) -> dict[str, float]:
         """How far the gait is from being one; every entry should be below 1e-9.

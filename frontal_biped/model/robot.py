@@ -196,11 +196,16 @@ class Robot:
             toe, heel = self._measured_ends(joint)
             front = toe if front is None else front
             back = -heel if back is None else back
+        placement = self.sole_placement(side)
+        return FootSole(side, joint, placement, front, back, sole.inner, sole.outer, sole.ankle_height)
+
+    def sole_placement(self, side: Stance) -> pin.SE3:
+        """Placement of the sole's frame in the frame of the ankle roll joint, as `FootSole`; no shape is measured."""
         data = self.model.createData()
         pin.forwardKinematics(self.model, data, self.posture)
-        to_joint = data.oMi[self.model.getJointId(joint)].rotation.T
-        placement = pin.SE3(to_joint, to_joint @ np.array([0.0, 0.0, -sole.ankle_height]))
-        return FootSole(side, joint, placement, front, back, sole.inner, sole.outer, sole.ankle_height)
+        joint = self.model.getJointId(self.description.joints[f"{side.value}_ankle"])
+        to_joint = data.oMi[joint].rotation.T
+        return pin.SE3(to_joint, to_joint @ np.array([0.0, 0.0, -self.description.sole.ankle_height]))
 
     def _measured_ends(self, ankle: str) -> tuple[float, float]:
         """X of a foot's toe and heel, from the ankle [m]."""

@@ -12,6 +12,7 @@ from frontal_biped.simulation.space.settings import SpatialSettings, SpeedChange
 from frontal_biped.simulation.space.walk_spatial import walk_spatial
 from frontal_biped.simulation.trajectory import Trajectory, load_trajectory, save_trajectory
 from frontal_biped.simulation.walking import simulate
+from frontal_biped.simulation.whole_robot import whole_motion
 from frontal_biped.simulation.world import world_configurations, world_motion
 
 __all__ = [
@@ -32,6 +33,7 @@ __all__ = [
     "simulate",
     "simulate_walk",
     "walk_spatial",
+    "whole_motion",
     "world_configurations",
     "world_motion",
 ]

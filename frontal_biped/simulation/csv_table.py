@@ -1,9 +1,12 @@
 """A run as a table of numbers, for controllers that are not ours.
 
 ``frontal-biped export RUN.npz -o run.csv`` writes one line per sample (``--rate 200``: evenly spaced) with units in the
-header: time, step, stance foot, phase; then, under the URDF's joint names, position, desired position, velocity and
-torque of each of the four joints; ground reaction and FRI. ``--coordinates stance`` gives the paper's coordinates,
-``both`` gives both. Of a gait file it is the periodic orbit in closed form.
+header: time, step, stance foot, phase; pose and velocity of the root link, world X forward, Y left, Z up; then, under
+the URDF's names, position, velocity and torque of each joint that moves, position, held and torque, held of every
+other; which sole is in contact; desired position of each of the four roll joints (not with virtual legs, where none of
+the joints is one of the planar robot's); ground reaction and FRI. `frontal_biped.model.space.whole_placing` says where
+pose and torques come from. ``--coordinates stance`` gives the paper's coordinates, ``both`` gives both. Of a gait file
+it is the periodic orbit in closed form.
 """
 
 import csv
@@ -13,12 +16,14 @@ from typing import Any
 
 import numpy as np
 
-from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import JOINTS
+from frontal_biped.model.space.whole_motion import WholeMotion
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.trajectory import Trajectory
-from frontal_biped.simulation.world import drawable, resample
+from frontal_biped.simulation.whole_columns import base_columns, contact_columns, joint_columns
+from frontal_biped.simulation.whole_robot import whole_motion
+from frontal_biped.simulation.world import drawable, even_times, resample
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 COORDINATES = ("urdf", "stance", "both")
@@ -32,8 +37,8 @@ def run_table(
 ) -> tuple[list[str], list[list[str]]]:
     """Header and rows of a run.
 
-    In URDF coordinates the joints carry the URDF's names, signs and zeros; the ground reaction is that of the room
-    (y to the robot's left, z up) and the FRI is a place y in it. In stance coordinates they are the paper's.
+    In URDF coordinates every joint of the URDF carries its name, sign and zero there; the ground reaction is that of
+    the room (y to the robot's left, z up) and the FRI is a place y in it. In stance coordinates they are the paper's.
 
     Args:
         biped: the robot.
@@ -55,7 +60,7 @@ def run_table(
         "phase [rising/falling]": [StepPhase.of_sign(sign).value for sign in run.phase],
     }
     if coordinates != "stance":
-        columns |= _urdf_columns(biped, run)
+        columns |= _urdf_columns(biped, run, whole_motion(biped, trajectory, rate))
     if coordinates != "urdf":
         columns |= _stance_columns(run)
     return list(columns), table_rows(columns)
@@ -65,11 +70,6 @@ def check_coordinates(coordinates: str) -> None:
     """Raise ValueError for a name that is none of `COORDINATES`."""
     if coordinates not in COORDINATES:
         raise ValueError(f"coordinates = {coordinates!r} is none of {', '.join(COORDINATES)}")
-
-
-def even_times(t: FloatArray, rate: float) -> FloatArray:
-    """(K,) instants at a rate [1/s], from the first sample of a run to its last at t (T,) [s]."""
-    return t[0] + np.arange(int(np.floor((t[-1] - t[0]) * rate + 1e-9)) + 1) / rate
 
 
 def table_rows(columns: Mapping[str, Sequence[Any]]) -> list[list[str]]:
@@ -89,21 +89,16 @@ def table_csv(header: list[str], rows: list[list[str]]) -> str:
     return text.getvalue()
 
 
-def _urdf_columns(biped: FrontalBiped, run: Trajectory) -> dict[str, list[float]]:
-    chart = biped.stance_map
-
-    def mapped(convert: Any, values: FloatArray) -> FloatArray:
-        return np.array([convert(row, Stance.of_sign(sign)) for row, sign in zip(values, run.stance, strict=True)])
-
-    table: dict[str, list[float]] = {}
-    wanted = np.concatenate([run.q[:, :1], run.q_b_desired], axis=1)
-    for kind, unit, values in (
-        ("position", "rad", mapped(chart.positions_to_urdf, run.q)),
-        ("desired position", "rad", mapped(chart.positions_to_urdf, wanted)),
-        ("velocity", "rad/s", mapped(chart.velocities_to_urdf, run.dq)),
-        ("torque", "N m", mapped(chart.torques_to_urdf, run.u)),
-    ):
-        table |= {f"{name} {kind} [{unit}]": values[:, i].tolist() for i, name in enumerate(chart.joint_names)}
+def _urdf_columns(biped: FrontalBiped, run: Trajectory, motion: WholeMotion) -> dict[str, list[Any]]:
+    table: dict[str, list[Any]] = base_columns(motion) | joint_columns(motion, held_torques=True)
+    table |= contact_columns(motion)
+    if not biped.description.virtual_legs:
+        chart = biped.stance_map
+        wanted = np.concatenate([run.q[:, :1], run.q_b_desired], axis=1)
+        places = np.array(
+            [chart.positions_to_urdf(row, Stance.of_sign(sign)) for row, sign in zip(wanted, run.stance, strict=True)]
+        )
+        table |= {f"{name} desired position [rad]": places[:, i].tolist() for i, name in enumerate(chart.joint_names)}
     table["fri y [m]"] = (run.stance_y - run.stance * run.p_fri).tolist()
     table["desired fri y [m]"] = (run.stance_y - run.stance * run.p_fri_target).tolist()
     table["stance ankle y [m]"] = run.stance_y.tolist()

@@ -1,15 +1,11 @@
 """The periodic orbit of a gait as a run: what the robot does undisturbed, straight from the zero dynamics."""
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
-from frontal_biped.arrays import FloatArray
 from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.orbit_samples import phase_samples
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import COMPLETED, Trajectory
-from frontal_biped.virtual_constraints.phase import Phase, StepPhase
-from frontal_biped.zero_dynamics.orbit import PhaseOrbit, resample
-from frontal_biped.zero_dynamics.restricted import F_H, F_V, TORQUES
 
 ORBIT = "periodic orbit"
 """``settings["source"]`` of a run that was not simulated."""
@@ -29,8 +25,8 @@ def orbit_trajectory(biped: FrontalBiped, gait: Gait, steps: int = 4, samples: i
     """
     step = gait.step(biped)
     tau = np.linspace(0.0, 1.0, samples)
-    rising = _phase_samples(biped, gait.rising, resample(biped, gait.rising, step.rising, tau))
-    falling = _phase_samples(biped, gait.falling, resample(biped, gait.falling, step.falling, tau))
+    rising = phase_samples(biped, gait.rising, step.rising, tau)._asdict()
+    falling = phase_samples(biped, gait.falling, step.falling, tau)._asdict()
     falling["t"] = falling["t"] + rising["t"][-1]
     one = {name: np.concatenate([rising[name], falling[name]]) for name in rising}
     duration, size = one["t"][-1], len(one["t"])
@@ -59,22 +55,3 @@ def orbit_trajectory(biped: FrontalBiped, gait: Gait, steps: int = 4, samples: i
         gait={"specification": gait.specification.as_dict()},
         settings={"source": ORBIT},
     )
-
-
-def _phase_samples(biped: FrontalBiped, phase: Phase, orbit: PhaseOrbit) -> dict[str, FloatArray]:
-    """Samples of one phase in the order of time, which starts at 0."""
-    from_reversal = CubicSpline(orbit.tau, orbit.time_density).antiderivative()(orbit.tau)
-    rising = orbit.kind is StepPhase.RISING
-    order = slice(None, None, -1) if rising else slice(None)
-    t = (from_reversal[-1] - from_reversal) if rising else from_reversal
-    forces = orbit.generalized_forces
-    samples = {
-        "t": t,
-        "q": orbit.motion.q,
-        "dq": orbit.motion.dq * orbit.dbeta[:, None],
-        "u": forces[TORQUES].T,
-        "force": forces[[F_H, F_V]].T,
-        "p_fri": orbit.motion.p_fri,
-        "phase": np.full(len(t), orbit.kind.sign),
-    }
-    return {name: np.ascontiguousarray(values[order]) for name, values in samples.items()}

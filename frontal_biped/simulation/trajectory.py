@@ -7,7 +7,7 @@ steps_completed, gait (the whole gait file) and settings. `numpy.load` reads it 
 simulator can be written with `save_trajectory` and watched.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
@@ -16,8 +16,14 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.files.archive import ArchiveKind, read_archive, write_archive
+from frontal_biped.model.stance_map import Stance, StanceMap
+from frontal_biped.model.urdf.description import ROLL_JOINTS
+from frontal_biped.numerics.by_name import Columns
 
 KIND = ArchiveKind("frontal-biped-run", 1, "write one with `frontal-biped simulate GAIT.json -o RUN.npz`")
+
+_ABOUT_X = StanceMap(np.ones(4), np.zeros(4), ROLL_JOINTS)
+"""As if every URDF axis pointed along +X and every joint were at 0 upright."""
 
 COMPLETED = "completed"
 """Outcome of a walk that took all its steps."""
@@ -84,6 +90,28 @@ class Trajectory:
     def output_error(self) -> FloatArray:
         """(T, 3) y = q_b - h_d(beta) [rad]."""
         return self.q[:, 1:] - self.q_b_desired
+
+    @property
+    def positions(self) -> Columns:
+        """(T,) angles of the four roll joints by `ROLL_JOINTS`, of child against parent about +X, 0 upright [rad].
+
+        These names tell a leg, whichever foot stands. `whole_motion` has every joint under its URDF name.
+        """
+        return self._by_name(_ABOUT_X.positions_to_urdf, self.q)
+
+    @property
+    def velocities(self) -> Columns:
+        """(T,) rates of the four roll joints, as `positions` [rad/s]."""
+        return self._by_name(_ABOUT_X.velocities_to_urdf, self.dq)
+
+    @property
+    def torques(self) -> Columns:
+        """(T,) torques of the four roll joints, as `positions` [N m]."""
+        return self._by_name(_ABOUT_X.torques_to_urdf, self.u)
+
+    def _by_name(self, convert: Callable[[FloatArray, Stance], FloatArray], values: FloatArray) -> Columns:
+        left = (self.stance > 0.0)[:, None]
+        return Columns(ROLL_JOINTS, np.where(left, convert(values, Stance.LEFT), convert(values, Stance.RIGHT)))
 
     def events(self, kind: str) -> FloatArray:
         """(k,) indices of the events of one kind."""

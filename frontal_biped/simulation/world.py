@@ -16,12 +16,12 @@ import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.space.standing import ANKLE, standing_configurations
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 FEET = (Stance.LEFT, Stance.RIGHT)
-_ANKLE = {Stance.LEFT: 0, Stance.RIGHT: 3}  # index in StanceMap.joint_names
 
 _INTERPOLATED = ("q", "dq", "u", "force", "p_fri", "p_fri_target", "q_b_desired")
 _HELD = ("phase", "stance", "stance_y", "step")
@@ -125,6 +125,11 @@ def resample(trajectory: Trajectory, times: FloatArray) -> Trajectory:
     return replace(trajectory, **arrays)
 
 
+def even_times(t: FloatArray, rate: float) -> FloatArray:
+    """(K,) instants at a rate [1/s], from the first sample of a run to its last at t (T,) [s]."""
+    return t[0] + np.arange(int(np.floor((t[-1] - t[0]) * rate + 1e-9)) + 1) / rate
+
+
 class Neighbours(NamedTuple):
     """The samples before and after some instants.
 
@@ -193,24 +198,7 @@ def frame_times(trajectory: Phased, fps: float) -> FloatArray:
 
 def world_configurations(biped: FrontalBiped, trajectory: Trajectory) -> FloatArray:
     """(T, nq) configurations of ``biped.spatial_model``, the stance foot flat on z = 0 at its recorded place."""
-    model, chart = biped.spatial_model, biped.stance_map
-    data = model.createData()
-    reference = biped.spatial_reference
-    pin.forwardKinematics(model, data, reference)
-    ankle_id = {foot: model.getJointId(chart.joint_names[_ANKLE[foot]]) for foot in FEET}
-    ankle_at_reference = {foot: data.oMi[joint].copy() for foot, joint in ankle_id.items()}
-    address = [model.joints[model.getJointId(name)].idx_q for name in chart.joint_names]
-
-    configurations = np.tile(reference, (len(trajectory.t), 1))
-    for row, q, sign, y in zip(configurations, trajectory.q, trajectory.stance, trajectory.stance_y, strict=True):
-        foot = Stance.of_sign(sign)
-        row[address] = chart.positions_to_urdf(q, foot)
-        pin.forwardKinematics(model, data, row)
-        wanted = ankle_at_reference[foot].copy()
-        wanted.translation = np.array([wanted.translation[0], y, biped.ankle_height])
-        root = data.oMi[1]
-        row[:7] = pin.SE3ToXYZQUAT(wanted * data.oMi[ankle_id[foot]].inverse() * root)
-    return configurations
+    return standing_configurations(biped, trajectory.q, trajectory.stance, trajectory.stance_y)
 
 
 def world_motion(biped: FrontalBiped, trajectory: Trajectory) -> WorldMotion:
@@ -234,7 +222,7 @@ def sole_ends(biped: FrontalBiped, configurations: FloatArray) -> FloatArray:
     pin.forwardKinematics(model, data, biped.spatial_reference)
     ends = []
     for foot, inwards in zip(FEET, (-1.0, 1.0), strict=True):
-        joint = model.getJointId(chart.joint_names[_ANKLE[foot]])
+        joint = model.getJointId(chart.joint_names[ANKLE[foot]])
         upright = data.oMi[joint].rotation.T
         for extent in (sole.inner, -sole.outer):
             ends.append((joint, upright @ np.array([0.0, inwards * extent, -sole.ankle_height])))
@@ -254,5 +242,5 @@ def _sole_x(biped: FrontalBiped) -> tuple[float, float]:
     data = biped.spatial_model.createData()
     pin.forwardKinematics(biped.spatial_model, data, biped.spatial_reference)
     names = biped.stance_map.joint_names
-    left, right = (float(data.oMi[biped.spatial_model.getJointId(names[_ANKLE[foot]])].translation[0]) for foot in FEET)
+    left, right = (float(data.oMi[biped.spatial_model.getJointId(names[ANKLE[foot]])].translation[0]) for foot in FEET)
     return left, right

@@ -43,6 +43,9 @@ def test_export_writes_table_and_arrays(spatial_file, tmp_path):
     with np.load(arrays, allow_pickle=False) as content:
         np.testing.assert_array_equal(content["pinocchio_q"], run.q)
         np.testing.assert_array_equal(content["mujoco_qpos"][:, 3], run.q[:, 6])
+    assert main(["export", str(spatial_file), "-o", str(arrays), "--rate", "50"]) == 0
+    with np.load(arrays, allow_pickle=False) as content:
+        np.testing.assert_allclose(np.diff(content["t"]), 0.02)
 
 
 def test_a_run_without_its_gait_is_viewed(spatial_file, tmp_path):
@@ -67,12 +70,3 @@ def test_refused_in_one_line(arguments, word, spatial_file, tmp_path, capsys):
     error = [line for line in capsys.readouterr().err.splitlines() if "warning" not in line]
     assert len(error) == 1 and word in error[0]
     assert list(tmp_path.iterdir()) == []
-
-
-def test_arrays_are_of_walks_in_space(gait, tmp_path, capsys):
-    from frontal_biped.gait.file import save_gait
-
-    save_gait(gait, tmp_path / "gait.json")
-    assert main(["export", str(tmp_path / "gait.json"), "-o", str(tmp_path / "run.npz")]) == 2
-    assert "walks in space" in capsys.readouterr().err
-    assert not (tmp_path / "run.npz").exists()

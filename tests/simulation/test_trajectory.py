@@ -5,10 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from frontal_biped.exceptions import TrajectoryFileError
+from frontal_biped.exceptions import TrajectoryFileError, UnknownNameError
+from frontal_biped.model.urdf.description import ROLL_JOINTS
 from frontal_biped.simulation import SimulationSettings, load_trajectory, save_trajectory
 from frontal_biped.simulation.trajectory import SAMPLED
 from frontal_biped.simulation.walking import simulate
+from frontal_biped.simulation.whole_robot import whole_motion
 
 
 @pytest.fixture(scope="module")
@@ -70,3 +72,20 @@ def test_missing_truncated_and_foreign_archives_are_refused(run, tmp_path):
     np.savez(path, header=np.array('{"format": "something else"}'))
     with pytest.raises(TrajectoryFileError, match="not a run file"):
         load_trajectory(path)
+
+
+def test_by_name_a_leg_is_a_leg_whichever_foot_stands(biped, run):
+    """This robot's URDF axes point along +X and its joints are at 0 upright, so both namings are the same numbers."""
+    motion = whole_motion(biped, run)
+    for ours, whole in (
+        (run.positions, motion.positions),
+        (run.velocities, motion.velocities),
+        (run.torques, motion.torques),
+    ):
+        assert tuple(ours) == ROLL_JOINTS
+        for key, name in biped.description.joints.items():
+            np.testing.assert_allclose(ours[key], whole[name], atol=1e-12)
+    assert set(run.stance) == {1.0, -1.0}
+    np.testing.assert_array_equal(run.positions["left_hip"].shape, run.t.shape)
+    with pytest.raises(UnknownNameError, match="no joint 'left_hip_roll'; did you mean 'left_hip'"):
+        run.torques["left_hip_roll"]

@@ -16,6 +16,9 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import TrajectoryFileError
 from frontal_biped.files.archive import ArchiveKind, read_archive, write_archive
+from frontal_biped.model.space.free_robot import BASE
+from frontal_biped.model.space.joint_arrays import ROOT
+from frontal_biped.numerics.by_name import Columns
 from frontal_biped.simulation.trajectory import COMPLETED
 
 KIND = ArchiveKind("frontal-biped-space-run", 1, "write one with `frontal-biped walk ROBOT -o RUN.npz`")
@@ -105,6 +108,21 @@ class SpatialRun:
     def fell(self) -> bool:
         """Did the robot fall?"""
         return self.outcome != COMPLETED
+
+    @property
+    def positions(self) -> Columns:
+        """(T,) positions of every joint that moves by its URDF name [rad]."""
+        return Columns(self.joint_names, self.q[:, ROOT:])
+
+    @property
+    def velocities(self) -> Columns:
+        """(T,) velocities of every joint that moves by its URDF name [rad/s]."""
+        return Columns(self.joint_names, self.v[:, BASE:])
+
+    @property
+    def torques(self) -> Columns:
+        """(T,) torques of every joint that moves by its URDF name [N m]."""
+        return Columns(self.joint_names, self.tau)
 
     def events(self, kind: str) -> FloatArray:
         """(k,) indices of the events of one kind."""

@@ -12,14 +12,15 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.chain import JOINTS
-from frontal_biped.model.space.free_robot import BASE, FreeRobot
+from frontal_biped.model.space.free_robot import FreeRobot
 from frontal_biped.model.stance_map import Stance
-from frontal_biped.simulation.csv_table import check_coordinates, even_times, table_rows
-from frontal_biped.simulation.space.conventions import ROOT
+from frontal_biped.simulation.csv_table import check_coordinates, table_rows
 from frontal_biped.simulation.space.resampling import drawable_part, resample_spatial
 from frontal_biped.simulation.space.run import SpatialRun
 from frontal_biped.simulation.space.soles import pressure_in_sole
-from frontal_biped.simulation.world import FEET
+from frontal_biped.simulation.whole_columns import base_columns, joint_columns
+from frontal_biped.simulation.whole_robot import whole_motion
+from frontal_biped.simulation.world import FEET, even_times
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 
@@ -39,6 +40,7 @@ def spatial_table(
         is none.
     """
     check_coordinates(coordinates)
+    motion = whole_motion(robot, run, rate)
     run = drawable_part(run)
     if rate is not None:
         run = resample_spatial(run, even_times(run.t, rate))
@@ -49,35 +51,10 @@ def spatial_table(
         "phase [rising/falling]": [StepPhase.of_sign(sign).value for sign in run.phase],
     }
     if coordinates != "stance":
-        columns |= _root_columns(run) | _joint_columns(robot, run) | _ground_columns(run)
+        columns |= base_columns(motion) | joint_columns(motion, held_torques=False) | _ground_columns(run)
     if coordinates != "urdf":
         columns |= _frontal_columns(run)
     return list(columns), table_rows(columns)
-
-
-def _root_columns(run: SpatialRun) -> dict[str, list[float]]:
-    names = [f"root {axis} [m]" for axis in "xyz"] + [f"root quaternion {part} [-]" for part in "xyzw"]
-    table = {name: run.q[:, i].tolist() for i, name in enumerate(names)}
-    names = [f"root velocity {axis}, own axes [m/s]" for axis in "xyz"]
-    names += [f"root angular velocity {axis}, own axes [rad/s]" for axis in "xyz"]
-    return table | {name: run.v[:, i].tolist() for i, name in enumerate(names)}
-
-
-def _joint_columns(robot: FreeRobot, run: SpatialRun) -> dict[str, list[float]]:
-    moving = robot.model
-    table: dict[str, list[float]] = {}
-    for i, name in enumerate(run.joint_names):
-        turns = np.any(moving.joints[moving.getJointId(name)].createData().S[3:])
-        length, effort = ("rad", "N m") if turns else ("m", "N")
-        table[f"{name} position [{length}]"] = run.q[:, ROOT + i].tolist()
-        table[f"{name} velocity [{length}/s]"] = run.v[:, BASE + i].tolist()
-        table[f"{name} torque [{effort}]"] = run.tau[:, i].tolist()
-    full, posture = robot.robot.model, robot.robot.posture
-    for name in run.locked:
-        joint = full.joints[full.getJointId(name)]
-        held = posture[joint.idx_q] if joint.nq == 1 else np.arctan2(posture[joint.idx_q + 1], posture[joint.idx_q])
-        table[f"{name} position, held [rad]"] = [float(held)] * len(run.t)
-    return table
 
 
 def _ground_columns(run: SpatialRun) -> dict[str, list[Any]]:

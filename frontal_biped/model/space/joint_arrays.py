@@ -1,4 +1,4 @@
-"""A walk in space as arrays for Pinocchio and for MuJoCo, every joint of the URDF among them.
+"""A motion of the whole robot as arrays for Pinocchio and for MuJoCo, every joint of the URDF among them.
 
 Both write a configuration as the root link's position, its orientation and the joints' positions, and agree on nothing
 else:
@@ -22,20 +22,19 @@ import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.robot import Robot
-from frontal_biped.model.space.free_robot import BASE, FreeRobot
-from frontal_biped.simulation.space.run import SpatialRun
+from frontal_biped.model.space.free_robot import BASE
 
 ROOT = 7
 """Numbers of the root's pose, before the joints."""
 
 
 class JointArrays(NamedTuple):
-    """Motion of every joint of a URDF, its light ones held at the posture, in one of the two conventions.
+    """Motion of every joint of a URDF, in one of the two conventions.
 
     Attributes:
         q: (T, nq) configurations.
         v: (T, nv) velocities.
-        tau: (T, nv - 6) joint torques; 0 for joints that are held [N m].
+        tau: (T, nv - 6) joint torques [N m].
         names: of the joints, in the order of the arrays.
     """
 
@@ -45,29 +44,10 @@ class JointArrays(NamedTuple):
     names: tuple[str, ...]
 
 
-def pinocchio_arrays(robot: FreeRobot, run: SpatialRun) -> JointArrays:
-    """The run for the URDF read by Pinocchio with a free-flyer root: `Robot.model`."""
-    full, rows = robot.robot.model, robot.robot.joint_names
-    q = np.tile(robot.robot.posture, (len(run.t), 1))
-    v, tau = np.zeros((len(run.t), full.nv)), np.zeros((len(run.t), full.nv - BASE))
-    q[:, :ROOT], v[:, :BASE] = run.q[:, :ROOT], run.v[:, :BASE]
-    for i, name in enumerate(run.joint_names):
-        joint = full.joints[full.getJointId(name)]
-        q[:, joint.idx_q] = run.q[:, ROOT + i]
-        v[:, joint.idx_v] = run.v[:, BASE + i]
-        tau[:, joint.idx_v - BASE] = run.tau[:, i]
-    return JointArrays(q, v, tau, rows)
-
-
-def mujoco_arrays(robot: FreeRobot, run: SpatialRun) -> JointArrays:
-    """The run for the URDF read by MuJoCo, a free joint on its root link: qpos, qvel and the joints' qfrc_applied."""
-    return to_mujoco(robot.robot, pinocchio_arrays(robot, run))
-
-
 def to_mujoco(robot: Robot, arrays: JointArrays) -> JointArrays:
     """From Pinocchio's convention to MuJoCo's."""
     names = mujoco_joint_names(robot.urdf_text)
-    angles = np.stack([_positions(robot.model, name, arrays.q) for name in names], axis=1)
+    angles = np.stack([joint_positions(robot.model, name, arrays.q) for name in names], axis=1)
     order = [arrays.names.index(name) for name in names]
     rotation = _rotations(arrays.q[:, 3:7])
     linear = np.einsum("tij,tj->ti", rotation, arrays.v[:, :3])
@@ -120,32 +100,8 @@ def mujoco_joint_names(urdf_text: str) -> tuple[str, ...]:
     return tuple(found)
 
 
-def convention_arrays(robot: FreeRobot, run: SpatialRun) -> dict[str, FloatArray]:
-    """What an exported archive holds: the run in both conventions, and what concerns neither.
-
-    Returns:
-        t; pinocchio_q, pinocchio_v, pinocchio_tau, pinocchio_joints; mujoco_qpos, mujoco_qvel, mujoco_tau,
-        mujoco_joints; wrench, contact, com, com_velocity, sole_position, sole_yaw, frontal_q, frontal_dq as in
-        `SpatialRun`; held_joints, the joints at rest at the posture.
-    """
-    ours, theirs = pinocchio_arrays(robot, run), mujoco_arrays(robot, run)
-    shared = ("wrench", "contact", "com", "com_velocity", "sole_position", "sole_yaw", "frontal_q", "frontal_dq")
-    return {
-        "t": run.t,
-        "pinocchio_q": ours.q,
-        "pinocchio_v": ours.v,
-        "pinocchio_tau": ours.tau,
-        "pinocchio_joints": np.array(ours.names),
-        "mujoco_qpos": theirs.q,
-        "mujoco_qvel": theirs.v,
-        "mujoco_tau": theirs.tau,
-        "mujoco_joints": np.array(theirs.names),
-        **{name: getattr(run, name) for name in shared},
-        "held_joints": np.array(run.locked),
-    }
-
-
-def _positions(model: pin.Model, name: str, q: FloatArray) -> FloatArray:
+def joint_positions(model: pin.Model, name: str, q: FloatArray) -> FloatArray:
+    """(T,) positions of a joint in configurations q (T, nq) of Pinocchio's convention [rad, m]."""
     joint = model.joints[model.getJointId(name)]
     if joint.nq == 2:
         return np.arctan2(q[:, joint.idx_q + 1], q[:, joint.idx_q])
