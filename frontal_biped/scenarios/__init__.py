@@ -20,9 +20,13 @@ It has ``begin(phase, q, dq)`` and ``command(phase, q, dq)`` as `QpController`, 
 default in our simulator), or ``reset(stance, q, dq)`` and ``tick(reading)`` as `Walker`, which sees sensor readings
 only (the default, and the only kind, in MuJoCo).
 
+In either engine it may also be a plain function of (t, q, v) that returns torques by joint name
+(`frontal_biped.control.joint_law`); an answer that is none is refused in one line.
+
 ``space = true`` walks the whole robot, every joint free, in MuJoCo (`frontal_biped.scenarios.space_file` has the keys
 that it adds): a speed that changes, pushes in any direction on any link, errors of every body. A controller of your own
-has ``reset(stance, q, v)``, ``tick(reading)`` and ``command(...)`` as `SpatialWalker`.
+has ``reset(stance, q, v)``, ``tick(reading)`` and ``command(...)`` as `SpatialWalker`, or is such a function of every
+joint.
 
 Our simulator's feet are rigid. Where the ground reaction or the impulse of a landing leaves the friction cone the foot
 cannot stay, and the run ends there ("slipped"); without ``friction`` it sticks whatever is asked of it. A foot that

@@ -8,8 +8,10 @@ from typing import Any
 
 from frontal_biped.control.controller import QpController
 from frontal_biped.control.interface import Contract
+from frontal_biped.control.joint_law import is_joint_law
 from frontal_biped.control.settings import ControllerSettings, sampled_frequency
 from frontal_biped.control.stabilisers.by_name import make_stabiliser
+from frontal_biped.control.walker.law_walker import LawWalker
 from frontal_biped.control.walker.walker import Walker
 from frontal_biped.exceptions import FrontalBipedError, ScenarioError
 from frontal_biped.scenarios.preparation import Conditions, Prepared
@@ -22,7 +24,8 @@ Factory = Callable[..., Any]
 """Called with robot, gait and ``period``, and the arguments of the scenario; returns a controller.
 
 A controller has ``tick(reading)`` and ``reset(stance, q, dq)`` as `Walker`, or ``begin(phase, q, dq)`` and
-``command(phase, q, dq)`` as `QpController`.
+``command(phase, q, dq)`` as `QpController`, or is a function of (t, q, v) as `joint_law` says; the latter needs no
+factory.
 """
 
 
@@ -55,7 +58,7 @@ def make_controller(
         return walker, Contract.SENSED
     where = f"{scenario.path}: controller = {choice.kind!r}" if own is None else "the controller given"
     factory = named_factory(scenario) if own is None else own
-    if Contract.of(factory) is None:
+    if Contract.of(factory) is None and not is_joint_law(factory):
         if not callable(factory):
             raise ScenarioError(f"{where}: {type(factory).__name__} is no factory; name a function of (robot, gait)")
         try:
@@ -64,11 +67,13 @@ def make_controller(
             raise ScenarioError(
                 f"{where}: the factory refused, {error}; it is called as (robot, gait, period=...)"
             ) from None
+    if Contract.of(factory) is None and is_joint_law(factory):
+        factory = LawWalker(prepared.biped, factory, choice.period)
     contract = Contract.of(factory)
     if contract is None:
         raise ScenarioError(
             f"{where}: {type(factory).__name__} is no controller; give it tick and reset as Walker has,"
-            " or begin and command as QpController has"
+            " or begin and command as QpController has, or make it a function of (t, q, v)"
         )
     if scenario.simulator == "mujoco" and contract is Contract.TOLD:
         raise ScenarioError(

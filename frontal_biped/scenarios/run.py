@@ -99,7 +99,7 @@ def run_scenario(
         controller: your own in place of the scenario's: an object with ``tick`` and ``reset`` as `Walker`, or with
             ``begin`` and ``command`` as `QpController`, or a factory of one, called as (robot, gait, period=...); in
             space with ``reset``, ``tick`` and ``command`` as `SpatialWalker`, called as (free, robot, gait,
-            period=...).
+            period=...); in either a function of (t, q, v) that returns torques by joint name, as `joint_law` says.
         on_step: called with the number of completed steps.
 
     Returns:

@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from frontal_biped.control.joint_law import is_joint_law
 from frontal_biped.control.spatial_walker.interface import SpatialTickable
+from frontal_biped.control.spatial_walker.law_walker import SpatialLawWalker
 from frontal_biped.control.spatial_walker.walker import SpatialWalker
 from frontal_biped.control.whole_body.settings import WholeBodySettings
 from frontal_biped.exceptions import FrontalBipedError, ScenarioError
@@ -123,7 +125,7 @@ def spatial_walker(
         )
     where = f"{scenario.path}: controller = {choice.kind!r}" if own is None else "the controller given"
     made: Any = named_factory(scenario) if own is None else own
-    if isinstance(made, type) or not _is_walker(made):
+    if isinstance(made, type) or not (_is_walker(made) or is_joint_law(made)):
         if not callable(made):
             raise ScenarioError(f"{where}: {type(made).__name__} is no factory; name a function of (free, biped, gait)")
         try:
@@ -132,10 +134,12 @@ def spatial_walker(
             raise ScenarioError(
                 f"{where}: the factory refused, {error}; it is called as (free, biped, gait, period=...)"
             ) from None
+    if not _is_walker(made) and is_joint_law(made):
+        made = SpatialLawWalker(free, made, period)
     if not _is_walker(made):
         raise ScenarioError(
             f"{where}: {type(made).__name__} is no controller of a walk in space; give it reset, tick and command as"
-            " SpatialWalker has"
+            " SpatialWalker has, or make it a function of (t, q, v)"
         )
     walker: SpatialTickable = made
     return walker

@@ -2,14 +2,17 @@
 
 from collections.abc import Callable
 from dataclasses import asdict, replace
-from typing import Any
+from typing import Any, cast
 
 from frontal_biped.control.controller import QpController
+from frontal_biped.control.interface import Contract, Controller, Tickable
+from frontal_biped.control.joint_law import JointLaw, is_joint_law
 from frontal_biped.control.settings import ControllerSettings, sampled_frequency
 from frontal_biped.control.stabilisers.by_name import make_stabiliser
 from frontal_biped.control.stabilisers.transitions import Stabiliser
+from frontal_biped.control.walker.law_walker import LawWalker
 from frontal_biped.control.walker.walker import Walker
-from frontal_biped.exceptions import SimulationError
+from frontal_biped.exceptions import ControllerError, SimulationError
 from frontal_biped.gait.file import gait_to_dict
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
@@ -20,7 +23,7 @@ from frontal_biped.simulation.disturbances import Disturbances
 from frontal_biped.simulation.event_driven import simulate_walk
 from frontal_biped.simulation.mujoco.walk import walk_in_mujoco
 from frontal_biped.simulation.sensed import walk_sensed
-from frontal_biped.simulation.settings import SimulationSettings
+from frontal_biped.simulation.settings import PERIOD, SimulationSettings
 from frontal_biped.simulation.trajectory import Trajectory
 
 
@@ -37,6 +40,7 @@ def simulate(
     errors: ModelErrors | None = None,
     controller_settings: ControllerSettings | None = None,
     simulation_settings: SimulationSettings | None = None,
+    controller: JointLaw | Tickable | Controller | None = None,
     on_step: Callable[[int], None] | None = None,
 ) -> Trajectory:
     """Walk a gait in the full model under the QP controller, from its periodic orbit.
@@ -58,23 +62,32 @@ def simulate(
         controller_settings: gains and limits; default: the limits of the gait's specification, and with a period the
             gains of `sampled_frequency`.
         simulation_settings: tolerances; ``steps`` and ``period`` above take precedence.
+        controller: your own in place of the QP's, to which stabiliser and settings belong: a function of (t, q, v)
+            that returns torques by joint name, as `joint_law` says, or an object with ``tick`` and ``reset`` as
+            `Walker`, both asked every ``period``, 1 ms if None; or with ``begin`` and ``command`` as `QpController`.
         on_step: called with the number of completed steps.
 
     Returns:
         The run; a fall is an outcome, not an error.
+
+    Raises:
+        ControllerError: your controller is none of these, fails, or returns no torques; one line.
     """
     base = simulation_settings or SimulationSettings()
     settings = replace(base, steps=steps, period=period, disturbances=disturbances or base.disturbances)
+    if controller is not None:
+        start, told = start_state(gait, speed_error), gait_to_dict(gait)
+        return _under(controller, biped, start, settings, errors=errors, stance=stance, on_step=on_step, gait=told)
     linearising = controller_settings is None or controller_settings.outputs == "linearising"
     if stabiliser is None and period is not None and linearising:
         return _walked(biped, gait, "ours", settings, speed_error, stance, None, errors, controller_settings, on_step)
     stabiliser = stabiliser or "adaptive"
     chosen = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
-    controller = QpController(biped, gait, controller_settings or sampled_settings(gait, period), chosen)
-    stored = {**asdict(controller.settings), "speed_error": speed_error, "stabiliser": chosen.name}
+    program = QpController(biped, gait, controller_settings or sampled_settings(gait, period), chosen)
+    stored = {**asdict(program.settings), "speed_error": speed_error, "stabiliser": chosen.name}
     run = simulate_walk(
         biped,
-        controller,
+        program,
         start_state(gait, speed_error),
         settings,
         errors=errors,
@@ -84,8 +97,24 @@ def simulate(
         controller_settings=stored,
     )
     counters = ("ticks", "unsolved", "relaxed", "held", "declined")
-    counted = {**stored, **{name: getattr(controller, name) for name in counters}}
+    counted = {**stored, **{name: getattr(program, name) for name in counters}}
     return replace(run, settings={**run.settings, "controller": counted})
+
+
+def _under(own: object, biped: FrontalBiped, start: State, settings: SimulationSettings, **options: Any) -> Trajectory:
+    """A walk under the user's controller, asked by the contract that it keeps; ``options`` as `simulate_walk`."""
+    contract = Contract.of(own)
+    if contract is Contract.TOLD:
+        return simulate_walk(biped, cast("Controller", own), start, settings, **options)
+    sampled = replace(settings, period=settings.period or PERIOD)
+    if contract is None and is_joint_law(own):
+        own = LawWalker(biped, own, sampled.period or PERIOD)
+    elif contract is None:
+        raise ControllerError(
+            f"controller = {type(own).__name__}: no controller; give a function of (t, q, v) that returns torques by"
+            " joint name, or an object with tick and reset as Walker has, or begin and command as QpController has"
+        )
+    return walk_sensed(biped, cast("Tickable", own), start, sampled, **options)
 
 
 def start_state(gait: Gait, speed_error: float = 0.0) -> State:

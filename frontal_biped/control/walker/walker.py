@@ -20,6 +20,7 @@ from frontal_biped.control.stabilisers.by_name import make_stabiliser
 from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions, Stabiliser
 from frontal_biped.control.walker.energy_law import EnergyLaw, EnergySettings
 from frontal_biped.control.walker.estimator_gains import EstimatorSettings
+from frontal_biped.control.walker.measured_state import measured_state
 from frontal_biped.control.walker.over_ankle import OverAnkle
 from frontal_biped.control.walker.over_sway import OverSway
 from frontal_biped.control.walker.phase_machine import PhaseMachine, PhaseSettings
@@ -27,7 +28,6 @@ from frontal_biped.control.walker.state_estimator import StateEstimator
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.chain import UPRIGHT
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
 from frontal_biped.virtual_constraints.swayed import runs_one_way
@@ -127,7 +127,7 @@ class Walker:
             estimator.predict(self._in_stance(self._sent[0]))
         event: PhaseEvent | None = None
         swing_touches = reading.contact[1 if self.stance is Stance.LEFT else 0]
-        q, dq = self._measured(reading)
+        q, dq = measured_state(self.biped.stance_map, reading, self.stance)
         clearance = self.biped.swing_clearance(q)
         if self.phases.landing(swing_touches, clearance):
             event = PhaseEvent.LANDING
@@ -135,7 +135,7 @@ class Walker:
             estimator.land()
             self.stance = self.stance.other
             self._law.land(self.stance, State(estimator.q, estimator.dq))
-            q, dq = self._measured(reading)
+            q, dq = measured_state(self.biped.stance_map, reading, self.stance)
         estimator.correct(q, dq)
 
         q, dq = estimator.ahead([self._in_stance(tau) for tau in list(self._sent)[1:]])
@@ -165,18 +165,6 @@ class Walker:
 
     def _in_stance(self, tau: FloatArray) -> FloatArray:
         return self.biped.stance_map.torques_to_stance(tau, self.stance)
-
-    def _measured(self, reading: Reading) -> tuple[FloatArray, FloatArray | None]:
-        """Stance coordinates of a reading; the stance leg's absolute angle, whatever its foot does."""
-        coordinates, stance = self.biped.stance_map, self.stance
-        outwards = -stance.sign  # sense of +X in (h, v)
-        q = coordinates.positions_to_stance(reading.joint_positions, stance).copy()
-        q[0] = outwards * reading.base_roll + 2.0 * UPRIGHT - q[1]
-        if reading.joint_velocities is None:
-            return q, None
-        dq = coordinates.velocities_to_stance(reading.joint_velocities, stance).copy()
-        dq[0] = outwards * reading.base_roll_rate - dq[1]
-        return q, dq
 
 
 def _phase_variable(

@@ -3,6 +3,9 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from frontal_biped.control.joint_law import JointLaw
+from frontal_biped.control.spatial_walker.interface import SpatialTickable
+from frontal_biped.control.spatial_walker.law_walker import SpatialLawWalker
 from frontal_biped.control.spatial_walker.walker import SpatialWalker
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
@@ -30,6 +33,7 @@ def walk_spatial(
     errors: SpatialErrors | None = None,
     settings: SpatialSettings | None = None,
     walker: SpatialWalker | None = None,
+    controller: JointLaw | None = None,
     stance: Stance = Stance.LEFT,
     on_step: Callable[[int], None] | None = None,
     content: Mapping[str, Any] | None = None,
@@ -50,6 +54,8 @@ def walk_spatial(
         errors: of MuJoCo's bodies; the walker does not know them.
         settings: of the walk, in place of steps, commands, pushes and disturbances.
         walker: in place of one made here.
+        controller: your own instead: a function of (t, q, v) that returns the torque of every joint that moves, by
+            name, as `joint_law` says.
         stance: the first stance foot.
         on_step: called with the number of completed steps.
         content: of the gait file, to be kept with the run.
@@ -62,14 +68,18 @@ def walk_spatial(
         RobotError: a leg has not six joints, or a joint more than one freedom.
         SimulationError: the legs do not reach the start of the gait, or a setting that makes no walk.
         HypothesisError: the robot is no frontal biped (HR1 to HR5).
+        ControllerError: your controller fails, or returns no torques; one line.
     """
     biped = robot if isinstance(robot, FrontalBiped) else FrontalBiped(robot)
     free = FreeRobot(biped.robot)
     chosen = settings or SpatialSettings(
         steps=steps, disturbances=disturbances or Disturbances(), pushes=pushes, commands=commands
     )
-    used = walker or SpatialWalker(
-        free, biped, gait, period=chosen.period, speed=speed, delay=chosen.disturbances.delay
+    used: SpatialTickable = (
+        SpatialLawWalker(free, controller, chosen.period)
+        if controller is not None
+        else walker
+        or SpatialWalker(free, biped, gait, period=chosen.period, speed=speed, delay=chosen.disturbances.delay)
     )
     start = start_in_space(free, biped, gait.state_after_impact(), stance)
     return walk_in_space(free, used, start, chosen, stance=stance, errors=errors, on_step=on_step, gait=content)
