@@ -110,7 +110,7 @@ class Gait:
 
         Raises:
             SpecificationError: rate or steps is not positive.
-            RobotError: a joint has more than one freedom, or legs do not reach a pose; one line.
+            RobotError: virtual legs do not reach a pose; one line.
             HypothesisError: the robot is no frontal biped (HR1 to HR5).
         """
         biped = robot if isinstance(robot, FrontalBiped) else FrontalBiped(robot)

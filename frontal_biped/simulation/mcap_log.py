@@ -112,8 +112,8 @@ def _messages(motion: WholeMotion) -> Iterator[tuple[int, str, str, dict[str, An
             "header": {"stamp": stamp, "frame_id": ""},
             "name": names,
             "position": motion.angles[k].tolist(),
-            "velocity": motion.v[k, 6:].tolist(),
-            "effort": motion.tau[k].tolist(),
+            "velocity": motion.rates[k].tolist(),
+            "effort": motion.efforts[k].tolist(),
         }  # fmt: skip
         place, turn = _vector(motion.q[k, :3]), _quaternion(motion.q[k, 3:7])
         twist = {"linear": _vector(motion.v[k, :3]), "angular": _vector(motion.v[k, 3:6])}

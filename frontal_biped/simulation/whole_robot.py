@@ -43,7 +43,7 @@ def whole_motion(
 
     Raises:
         ValueError: the run has no sample with a finite posture.
-        RobotError: a joint has more than one freedom, or legs do not reach a pose; one line.
+        RobotError: virtual legs do not reach a pose; of a walk in space, a joint has more than one freedom; one line.
         HypothesisError: of a planar run, the robot is no frontal biped (HR1 to HR5).
     """
     whole = robot if isinstance(robot, Robot) else robot.robot

@@ -11,7 +11,8 @@ from swept_walk import swept_walk
 from urdf_in_mujoco import mujoco_model
 from whole_robots import Whole, whole
 
-from frontal_biped.exceptions import SpecificationError, UnknownNameError
+from frontal_biped.exceptions import RobotError, SpecificationError, UnknownNameError
+from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.robot import Robot
 from frontal_biped.model.space.whole_motion import WholeMotion
 from frontal_biped.simulation.orbit import orbit_trajectory
@@ -217,3 +218,24 @@ def test_names_that_are_none_and_rates_that_are_none_are_refused_in_one_line():
     for wrong in ({"rate": 0.0}, {"rate": float("nan")}, {"rate": 10.0, "steps": 0}):
         with pytest.raises(SpecificationError, match="write"):
             robot.gait.trajectory(robot.biped, **wrong)
+
+
+def test_a_floating_joint_of_the_urdf_itself_stays_where_it_is_and_only_arrays_are_refused(biped, orbit, tmp_path):
+    """Some URDFs begin with a link `world` and a joint of six freedoms."""
+    text = biped.robot.urdf_text.replace("</robot>", "")
+    root = biped.robot.model.frames[2].name
+    floating = (
+        '<link name="world"/><joint name="floats" type="floating"><parent link="world"/>'
+        f'<child link="{root}"/></joint></robot>'
+    )
+    (tmp_path / "floats.urdf").write_text(text + floating, encoding="utf-8")
+    description = replace(biped.description, urdf=tmp_path / "floats.urdf")
+    other = FrontalBiped(Robot.of(description))
+    motion, expected = (whole_motion(robot, orbit.first_steps(1), 20.0) for robot in (other, biped))
+    assert "floats" not in motion.positions and motion.root_link == "world"
+    for name in expected.joint_names:
+        np.testing.assert_allclose(motion.positions[name], expected.positions[name], atol=1e-12)
+        np.testing.assert_allclose(motion.torques[name], expected.torques[name], atol=1e-9)
+    np.testing.assert_allclose(motion.wrench, expected.wrench, atol=1e-9)
+    with pytest.raises(RobotError, match="joint 'floats' has more than one freedom"):
+        assert motion.mujoco

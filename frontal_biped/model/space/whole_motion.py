@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.exceptions import RobotError
 from frontal_biped.model.robot import Robot
 from frontal_biped.model.space.free_robot import BASE
 from frontal_biped.model.space.joint_arrays import ROOT, JointArrays, joint_positions, to_mujoco
@@ -37,7 +38,7 @@ class WholeMotion:
         phase: (T,) +1 rising, -1 falling.
         stance: (T,) +1 left, -1 right.
         step: (T,) index of the step.
-        held: names of the joints that stay at the posture all the time.
+        held: names of the joints of one freedom that stay at the posture all the time; those of more all do.
     """
 
     robot: Robot
@@ -52,10 +53,10 @@ class WholeMotion:
     step: FloatArray
     held: tuple[str, ...]
 
-    @property
+    @cached_property
     def joint_names(self) -> tuple[str, ...]:
-        """(n) every joint of the URDF in the order of ``tau``."""
-        return self.robot.joint_names
+        """(n) every joint of the URDF that has one freedom, in Pinocchio's order."""
+        return one_freedom(self.robot)
 
     @property
     def root_link(self) -> str:
@@ -79,6 +80,21 @@ class WholeMotion:
         return np.stack([joint_positions(model, name, self.q) for name in self.joint_names], axis=1)
 
     @cached_property
+    def rates(self) -> FloatArray:
+        """(T, n) joint velocities in the order of `joint_names` [rad/s, m/s]."""
+        return self.v[:, self._rows]
+
+    @cached_property
+    def efforts(self) -> FloatArray:
+        """(T, n) joint torques in the order of `joint_names` [N m, N]."""
+        return self.tau[:, [row - BASE for row in self._rows]]
+
+    @property
+    def _rows(self) -> list[int]:
+        model = self.robot.model
+        return [model.joints[model.getJointId(name)].idx_v for name in self.joint_names]
+
+    @cached_property
     def positions(self) -> Columns:
         """(T,) positions of every joint by its URDF name [rad, m]."""
         return Columns(self.joint_names, self.angles)
@@ -86,19 +102,39 @@ class WholeMotion:
     @cached_property
     def velocities(self) -> Columns:
         """(T,) velocities of every joint by its URDF name [rad/s, m/s]."""
-        return Columns(self.joint_names, self.v[:, BASE:])
+        return Columns(self.joint_names, self.rates)
 
     @cached_property
     def torques(self) -> Columns:
         """(T,) torques of every joint by its URDF name [N m, N]."""
-        return Columns(self.joint_names, self.tau)
+        return Columns(self.joint_names, self.efforts)
 
     @property
     def pinocchio(self) -> JointArrays:
-        """For the URDF read by Pinocchio with a free-flyer root."""
+        """For the URDF read by Pinocchio with a free-flyer root.
+
+        Raises:
+            RobotError: a joint has more than one freedom, so that no name or number stands for it; one line.
+        """
+        for name in self.robot.joint_names:
+            if name not in self.joint_names:
+                raise RobotError(
+                    f"{self.robot.description.urdf}: joint {name!r} has more than one freedom, for which Pinocchio and"
+                    ' MuJoCo have no common array; export CSV, or make it type="fixed": they free the root link anyway'
+                )
         return JointArrays(self.q, self.v, self.tau, self.joint_names)
 
     @cached_property
     def mujoco(self) -> JointArrays:
-        """For the URDF read by MuJoCo, a free joint on its root link: qpos, qvel and the joints' qfrc_applied."""
+        """For the URDF read by MuJoCo, a free joint on its root link: qpos, qvel and the joints' qfrc_applied.
+
+        Raises:
+            RobotError: a joint has more than one freedom; one line.
+        """
         return to_mujoco(self.robot, self.pinocchio)
+
+
+def one_freedom(robot: Robot) -> tuple[str, ...]:
+    """Joints of a robot with one freedom: one number tells where they are."""
+    model = robot.model
+    return tuple(name for name in robot.joint_names if model.joints[model.getJointId(name)].nv == 1)

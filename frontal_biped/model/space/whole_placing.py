@@ -20,12 +20,11 @@ import pinocchio as pin
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError, UnreachablePoseError
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.robot import Robot
 from frontal_biped.model.space.free_robot import BASE, FreeRobot
 from frontal_biped.model.space.joint_arrays import ROOT
 from frontal_biped.model.space.planar_state import PlanarStates
 from frontal_biped.model.space.standing import ANKLE, standing_configurations
-from frontal_biped.model.space.whole_motion import WholeMotion
+from frontal_biped.model.space.whole_motion import WholeMotion, one_freedom
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
 
@@ -67,11 +66,9 @@ def place_whole_robot(biped: FrontalBiped, samples: PlanarSamples) -> WholeMotio
         Every joint, the base and the wrench on the stance sole.
 
     Raises:
-        RobotError: a joint of the URDF has more than one freedom, or of a robot with virtual legs the legs do not
-            reach a pose; one line.
+        RobotError: the robot has virtual legs, and they do not reach a pose; one line.
     """
     robot = biped.robot
-    check_one_freedom(robot)
     placing: _Placing = _VirtualLegs(biped) if biped.description.virtual_legs else _RollJoints(biped, samples)
     model, data = robot.model, robot.model.createData()
     soles = {
@@ -110,19 +107,8 @@ def place_whole_robot(biped: FrontalBiped, samples: PlanarSamples) -> WholeMotio
         phase=samples.phase,
         stance=samples.stance,
         step=samples.step,
-        held=tuple(name for name in robot.joint_names if name not in placing.moving),
+        held=tuple(name for name in one_freedom(robot) if name not in placing.moving),
     )
-
-
-def check_one_freedom(robot: Robot) -> None:
-    """Raise RobotError for a joint that has more than one freedom: neither a name nor a number stands for it."""
-    for name in robot.joint_names:
-        joint = robot.model.joints[robot.model.getJointId(name)]
-        if joint.nv != 1:
-            raise RobotError(
-                f"{robot.description.urdf}: joint {name!r} has {joint.nv} freedoms; every joint that is handed over has"
-                ' one: make it type="revolute" with limits, or type="fixed"'
-            )
 
 
 class _Placing(Protocol):
