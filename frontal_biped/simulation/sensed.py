@@ -10,6 +10,7 @@ from typing import Any, TypedDict, Unpack
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.answers import check_answer
 from frontal_biped.control.interface import PhaseEvent, Tickable, WalkerCommand
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.perturbation import ModelErrors
@@ -73,6 +74,8 @@ class Sensed:
         """Show the walker what the sensors tell; None after the last landing that it noticed."""
         true = self._engine.read(t)
         command = self._walker.tick(self._sensors.read(true))
+        if np.isfinite(true.joint_positions).all():  # of a state that has diverged no controller makes torques
+            check_answer(command, "joint_torques", len(true.joint_positions), "tick", t)
         self.take_impact(t)
         event, stance, steps = command.event, command.stance, self._steps
         if event is PhaseEvent.LANDING and self._airborne.lands(stance):

@@ -6,7 +6,10 @@ chain from stance to swing foot, the coordinates such a controller speaks.
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.answers import check_answer
 from frontal_biped.control.interface import Controller
 from frontal_biped.model.state import State
 from frontal_biped.simulation.engine import Move
@@ -146,8 +149,10 @@ class StateFed:
         if self._observer is not None:
             self._observer.read(self._engine.state.q, self._period)
         stance = self._engine.stance
-        u = self._told.controller.command(self._engine.phase, *self._perceived).u
-        return Decision(self._engine.biped.stance_map.torques_to_urdf(u, stance), stance)
+        command = self._told.controller.command(self._engine.phase, *self._perceived)
+        if np.isfinite(self._engine.state.q).all():
+            check_answer(command, "u", len(self._engine.state.q), "command", t)
+        return Decision(self._engine.biped.stance_map.torques_to_urdf(command.u, stance), stance)
 
     def sent(self, t: float, tau: FloatArray) -> None:
         """The engine knows what acts."""

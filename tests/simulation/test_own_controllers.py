@@ -1,5 +1,7 @@
 """Controllers of the user's own in a walk: a function of (t, q, v), in the plane and in space, and refusals."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from whole_robots import whole
@@ -89,3 +91,33 @@ def test_in_space_a_law_moves_every_joint():
         walk_spatial(robot.biped, robot.gait, controller=watched, settings=SpatialSettings(steps=1))
     assert {names for _, names in seen} == {robot.free.joint_names}
     assert len(seen) == 152
+
+
+class Answers:
+    """A controller of either contract that answers what it is told to."""
+
+    def __init__(self, answer):
+        self.tick = self.command = lambda *asked: answer
+        self.reset = self.begin = lambda *start: None
+
+
+@pytest.mark.parametrize("method", ["tick", "command"])
+@pytest.mark.parametrize(
+    ("torques", "words"),
+    [
+        (None, "returned NoneType without {name}; return an object whose {name} are 4 finite numbers"),
+        ([0.0] * 3, "with {name} = .0.0, 0.0, 0.0.; return"),
+        ([0.0, 0.0, 0.0, float("nan")], "nan.; return"),
+        ("much", "with {name} = 'much'; return"),
+    ],
+)
+def test_objects_that_answer_no_torques_are_refused_too(method, torques, words, biped, gait):
+    name = "joint_torques" if method == "tick" else "u"
+    own = Answers(None if torques is None else SimpleNamespace(**{name: torques}))
+    for other in {"tick": ("command", "begin"), "command": ("tick", "reset")}[method]:
+        delattr(own, other)
+    with pytest.raises(
+        ControllerError, match=f"the controller's {method} at t = 0.*{words.format(name=name)}"
+    ) as error:
+        simulate(biped, gait, steps=1, period=1e-3, controller=own)
+    assert "\n" not in str(error.value)

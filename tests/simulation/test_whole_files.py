@@ -4,12 +4,16 @@ import re
 
 import numpy as np
 import pytest
+from whole_robots import whole
 
+import frontal_biped.simulation.csv_table
 import frontal_biped.simulation.mcap_log
 import frontal_biped.simulation.whole_arrays
 from frontal_biped.cli import main
 from frontal_biped.gait.file import save_gait
+from frontal_biped.simulation.csv_table import run_table
 from frontal_biped.simulation.mcap_log import write_mcap
+from frontal_biped.simulation.orbit import orbit_trajectory
 from frontal_biped.simulation.whole_arrays import planar_arrays
 from frontal_biped.simulation.whole_robot import whole_motion
 
@@ -84,3 +88,22 @@ def test_without_the_library_the_extra_is_named(biped, step, tmp_path, monkeypat
     with pytest.raises(MissingExtraError, match=r"pip install 'frontal-biped\[mcap\]'"):
         write_mcap(whole_motion(biped, step, 20.0), tmp_path / "run.mcap")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_table_has_every_joint_and_with_virtual_legs_the_real_ones():
+    """The roll joints of virtual legs are not the planar robot's, so there is no place that the gait wants them at."""
+    text = frontal_biped.simulation.csv_table.__doc__
+    assert all(words in text for words in ("position, held", "torque, held", "in contact", "desired position"))
+    for name, wanted in (("g1_bent", False), ("romeo_bent", True)):
+        robot = whole(name)
+        run = orbit_trajectory(robot.biped, robot.gait, 1, samples=4)
+        header, rows = run_table(robot.biped, run)
+        table = dict(zip(header, zip(*rows, strict=True), strict=True))
+        motion = whole_motion(robot.biped, run)
+        for joint in motion.joint_names:
+            kind = "position, held [rad]" if joint in motion.held else "position [rad]"
+            np.testing.assert_array_equal(np.array(table[f"{joint} {kind}"], dtype=float), motion.positions[joint])
+            kind = "torque, held [N m]" if joint in motion.held else "torque [N m]"
+            np.testing.assert_array_equal(np.array(table[f"{joint} {kind}"], dtype=float), motion.torques[joint])
+        assert any("desired position" in column for column in header) == wanted
+        assert set(table["left sole contact [0/1]"]) == {"1"} and set(table["right sole contact [0/1]"]) == {"0"}

@@ -13,6 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.answers import check_answer
 from frontal_biped.control.interface import PhaseEvent
 from frontal_biped.control.spatial_walker.interface import SpatialCommand, SpatialReading, SpatialTickable
 from frontal_biped.model.space.errors import SpatialErrors
@@ -182,6 +183,8 @@ class SpatialPilot:
         self.command(t)
         true = self._engine.read(t)
         command = self._walker.tick(self._sensors.read(true))
+        if np.isfinite(true.joint_positions).all():  # of a state that has diverged no controller makes torques
+            check_answer(command, "joint_torques", len(true.joint_positions), "tick", t)
         self.take_impact(t)
         event, stance, steps = command.event, command.stance, self._steps
         if event is PhaseEvent.LANDING and self._airborne.lands(stance):
