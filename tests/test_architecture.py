@@ -32,7 +32,7 @@ MAY_IMPORT = {
     "zero_dynamics": ANYONE | {"model", "virtual_constraints"},
     "gait": ANYONE | MECHANICS,
     "control": ANYONE | MECHANICS | {"gait"},
-    "simulation": ANYONE | {"model", "virtual_constraints", "gait", "control"},
+    "simulation": ANYONE | MECHANICS | {"gait", "control"},
     "design": ANYONE | MECHANICS | {"gait", "simulation"},
     "analysis": ANYONE | MECHANICS | {"gait", "control", "simulation"},
     "viewer": ANYONE | {"model", "virtual_constraints", "simulation"},
