@@ -221,18 +221,18 @@ def test_names_that_are_none_and_rates_that_are_none_are_refused_in_one_line():
 
 
 def test_a_floating_joint_of_the_urdf_itself_stays_where_it_is_and_only_arrays_are_refused(biped, orbit, tmp_path):
-    """Some URDFs begin with a link `world` and a joint of six freedoms."""
+    """A link without mass on a joint of six freedoms, as some URDFs have for a tool; the robot is the same."""
     text = biped.robot.urdf_text.replace("</robot>", "")
     root = biped.robot.model.frames[2].name
     floating = (
-        '<link name="world"/><joint name="floats" type="floating"><parent link="world"/>'
-        f'<child link="{root}"/></joint></robot>'
+        f'<link name="tool"/><joint name="floats" type="floating"><parent link="{root}"/>'
+        '<child link="tool"/></joint></robot>'
     )
     (tmp_path / "floats.urdf").write_text(text + floating, encoding="utf-8")
     description = replace(biped.description, urdf=tmp_path / "floats.urdf")
     other = FrontalBiped(Robot.of(description))
     motion, expected = (whole_motion(robot, orbit.first_steps(1), 20.0) for robot in (other, biped))
-    assert "floats" not in motion.positions and motion.root_link == "world"
+    assert "floats" not in motion.positions and motion.root_link == root
     for name in expected.joint_names:
         np.testing.assert_allclose(motion.positions[name], expected.positions[name], atol=1e-12)
         np.testing.assert_allclose(motion.torques[name], expected.torques[name], atol=1e-9)
