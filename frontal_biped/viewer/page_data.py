@@ -10,6 +10,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import JOINTS
+from frontal_biped.simulation.orbit import ORBIT
 from frontal_biped.simulation.space.run import SpatialRun
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.simulation.world import FEET, Phased, phase_spans
@@ -31,6 +32,9 @@ def panel(key: str, title: str, label: str, lines: Sequence[tuple[str, ...]], **
     return {"key": key, "title": title, "x": "t", "xlabel": "time [s]", "ylabel": label, "lines": named} | more
 
 
+BETA = "stance ankle angle β [rad]"
+"""Label of the axis of the phase variable."""
+
 PANELS: tuple[dict[str, Any], ...] = (
     panel(
         "angles",
@@ -38,13 +42,13 @@ PANELS: tuple[dict[str, Any], ...] = (
         "angle [rad]",
         [(name, f"q{i + 1}", *([f"d{i + 1}"] if i else [])) for i, name in enumerate(JOINTS)],
     ),
-    panel("fri", "FRI and sole", "p_FRI [mm]", [("from the ankle", "fri", "fri_target")], band=True),
+    panel("fri", "FRI and sole", "FRI [mm]", [("from the ankle", "fri", "fri_target")], band=True),
     panel("torques", "Torques", "torque [N m]", [(name, f"u{i + 1}") for i, name in enumerate(JOINTS)]),
-    panel("portrait", "Phase portrait", "dβ/dt [rad/s]", [("stance ankle", "v1")], x="q1", xlabel="β = q1 [rad]"),
-    panel("force", "Ground reaction", "force [N]", [("vertical F_v", "fv"), ("horizontal F_h", "fh")]),
+    panel("portrait", "Phase portrait", "dβ/dt [rad/s]", [("stance ankle", "v1")], x="q1", xlabel=BETA),
+    panel("force", "Ground reaction", "force [N]", [("vertical", "fv"), ("horizontal", "fh")]),
     panel("foot", "Swing foot", "height [mm]", [("inner end", "inner"), ("outer end", "outer")]),
     panel("roll", "Pelvis roll", "roll [degrees]", [("pelvis", "roll")]),
-    panel("error", "Tracking error", "q_b − h_d [mrad]", [(name, f"e{i + 2}") for i, name in enumerate(JOINTS[1:])]),
+    panel("error", "Tracking error", "actual − desired [mrad]", [(name, f"e{i + 2}") for i, name in enumerate(JOINTS[1:])]),
     panel("speeds", "Joint velocities", "velocity [rad/s]", [(name, f"v{i + 1}") for i, name in enumerate(JOINTS)]),
 )
 """What a plot of the page can show; the first four are shown first."""
@@ -76,6 +80,18 @@ def page_data(actors: Sequence[Actor], plots: bool = True, theme: str = "auto") 
     }
 
 
+def told_source(run: Trajectory | SpatialRun) -> str:
+    """What a run is, in one line: the periodic orbit, or who simulated it at which rate; "" where it does not tell."""
+    if run.settings.get("source") == ORBIT:
+        return "the gait's periodic orbit, in closed form"
+    if "period" not in run.settings:
+        return ""
+    engine = " in MuJoCo" if run.settings.get("engine") == "mujoco" else ""
+    period = run.settings["period"]
+    rate = f"control at {1.0 / period:.6g} Hz" if isinstance(period, float) and period > 0.0 else "continuous control"
+    return f"simulated{engine}, {rate}"
+
+
 def _parts(actors: Sequence[Actor]) -> list[dict[str, Any]]:
     marked = [actor.node for actor in actors if actor.marked]
 
@@ -101,6 +117,8 @@ def _run(actor: Actor, plots: bool) -> dict[str, Any]:
         "robot": biped.name,
         "duration": actor.duration,
         "outcome": run.outcome,
+        "steps": run.steps_completed,
+        "source": told_source(run),
         "phases": phase_marks(run),
         "events": event_marks(run),
         "pushes": _pushes(run),
@@ -189,7 +207,7 @@ def _limits(biped: FrontalBiped) -> dict[str, list[dict[str, Any]]]:
     if hip != ankle:
         torque += [{"value": sign * hip, "name": "hip limit"} for sign in (1.0, -1.0)]
     return {
-        "fri": [{"value": inner, "name": "inner end of the sole"}, {"value": outer, "name": "outer end of the sole"}],
+        "fri": [{"value": inner, "name": "inner end"}, {"value": outer, "name": "outer end"}],
         "torques": torque if hip != ankle else [{**line, "name": "limit"} for line in torque],
         "force": [{"value": biped.weight, "name": "weight"}],
         "foot": [{"value": 0.0, "name": "ground"}],

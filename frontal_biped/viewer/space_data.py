@@ -20,7 +20,7 @@ from frontal_biped.simulation.space.steps import step_table
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.simulation.world import FEET, phase_spans
 from frontal_biped.viewer.markers import COM, CONTACT
-from frontal_biped.viewer.page_data import event_marks, packed, panel, part, phase_marks, thinned
+from frontal_biped.viewer.page_data import BETA, event_marks, packed, panel, part, phase_marks, thinned, told_source
 from frontal_biped.viewer.scene import FIRST
 from frontal_biped.viewer.space_motion import motion, spatial_pushes
 from frontal_biped.viewer.space_scene import (
@@ -44,10 +44,10 @@ SPACE_PANELS: tuple[dict[str, Any], ...] = (
         [("centre of mass", "vx"), ("step's mean", "vstep", "vtarget")],
         digits=3,
     ),
-    panel("cop", "CoP, fore-aft", "CoP_x [mm]", [("from the ankle", "cop_x", "cop_target_x")], band=True),
-    panel("fri", "FRI and sole", "p_FRI [mm]", [("from the ankle", "fri", "fri_target")], band=True),
+    panel("cop", "CoP, fore-aft", "CoP [mm]", [("from the ankle", "cop_x", "cop_target_x")], band=True),
+    panel("fri", "FRI and sole", "FRI [mm]", [("from the ankle", "fri", "fri_target")], band=True),
     panel("torques", "Torques", "share of limit [%]", [(name, f"u_{i}") for i, name in enumerate(LEGS)]),
-    panel("portrait", "Frontal phase portrait", "dβ/dt [rad/s]", [("stance leg", "v1")], x="q1", xlabel="β = q1 [rad]"),
+    panel("portrait", "Frontal phase portrait", "dβ/dt [rad/s]", [("stance leg", "v1")], x="q1", xlabel=BETA),
     panel("speeds", "Joint speeds", "share of limit [%]", [(name, f"w_{i}") for i, name in enumerate(LEGS)]),
     panel("ranges", "Joint ranges", "share of range [%]", [(name, f"r_{i}") for i, name in enumerate(LEGS)]),
     panel(
@@ -56,7 +56,7 @@ SPACE_PANELS: tuple[dict[str, Any], ...] = (
         "angle [rad]",
         [(name, f"q{i + 1}", *([f"d{i + 1}"] if i else [])) for i, name in enumerate(JOINTS)],
     ),
-    panel("error", "Output error", "q_b − h_d [mrad]", [(name, f"e{i + 2}") for i, name in enumerate(JOINTS[1:])]),
+    panel("error", "Tracking error", "actual − desired [mrad]", [(name, f"e{i + 2}") for i, name in enumerate(JOINTS[1:])]),
     panel("load", "Vertical force", "force [N]", [("left foot", "fz_left"), ("right foot", "fz_right")]),
     panel("friction", "Friction used", "horizontal/vertical [-]", [("stance foot", "friction")], digits=3),
     panel("moment", "Yaw moment of the sole", "moment [N m]", [("stance foot", "moment")]),
@@ -92,6 +92,8 @@ def space_page_data(
         "robot": robot.name,
         "duration": duration,
         "outcome": run.outcome,
+        "steps": run.steps_completed,
+        "source": told_source(run),
         "phases": phase_marks(run),
         "events": event_marks(run),
         "pushes": [{"start": push.start, "duration": push.duration, "text": push.text} for push in pushes],
@@ -193,8 +195,8 @@ def _limits(robot: FreeRobot, run: SpatialRun) -> dict[str, list[dict[str, Any]]
     limits: dict[str, list[dict[str, Any]]] = {
         "cop": [{"value": 1e3 * sole.front, "name": "toe"}, {"value": -1e3 * sole.back, "name": "heel"}],
         "fri": [
-            {"value": 1e3 * sole.inner, "name": "inner edge of the sole"},
-            {"value": -1e3 * sole.outer, "name": "outer edge of the sole"},
+            {"value": 1e3 * sole.inner, "name": "inner edge"},
+            {"value": -1e3 * sole.outer, "name": "outer edge"},
         ],
         "torques": full,
         "speeds": full,

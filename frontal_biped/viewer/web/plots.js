@@ -18,10 +18,24 @@ function ticks(low, high, count) {
   const raw = (high - low) / count;
   const power = 10 ** Math.floor(Math.log10(raw));
   const step = [1, 2, 5, 10].map((k) => k * power).find((k) => k >= raw * 0.999);
-  const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-  const found = [];
-  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) found.push(k * step);
+  const every = (each) => {
+    const found = [];
+    for (let k = Math.ceil(low / each - 1e-9); k * each <= high + 1e-9 * each; k++) found.push(k * each);
+    return found;
+  };
+  const fewer = Math.round(step / power) === 5 ? step / 2.5 : step / 2; // one number alone would tell no scale
+  const chosen = every(step).length > 1 ? step : fewer, found = every(chosen);
+  const digits = Math.max(0, -Math.floor(Math.log10(chosen) + 1e-9));
   return { at: found, text: (value) => told(value, digits) };
+}
+
+// Where most of the values are: between the quantiles of 2 and 98 %, and a third of that beyond either, but no further
+// than the values go.
+function bulk(values) {
+  if (!values.length) return [Infinity, -Infinity];
+  const sorted = Float64Array.from(values).sort(), last = sorted.length - 1;
+  const [least, most] = [0.02, 0.98].map((share) => sorted[Math.round(share * last)]), beyond = (most - least) / 3;
+  return [Math.max(sorted[0], least - beyond), Math.min(sorted[last], most + beyond)];
 }
 
 function unpack(samples) {
@@ -98,7 +112,7 @@ class Plot {
       parts.push(`<line class="grid" x1="${MARGIN.left}" x2="${MARGIN.left + inner.w}" y1="${y(value)}" y2="${y(value)}"/>`);
       parts.push(`<text x="${MARGIN.left - 5}" y="${y(value) + 4}" text-anchor="end">${up.text(value)}</text>`);
     }
-    parts.push(`<g clip-path="url(#${clip})">${this.limits(inner.w)}${this.closedForm()}${this.curves()}</g>`);
+    parts.push(`<g clip-path="url(#${clip})">${this.limits(inner.w)}${this.closedForm()}${this.curves()}</g>${this.limitNames(inner.w)}`);
     parts.push(`<path class="axis" d="M${MARGIN.left},${MARGIN.top}V${bottom}H${MARGIN.left + inner.w}"/>`);
     parts.push(`<text class="xlabel" x="${MARGIN.left + inner.w / 2}" y="${height - 4}" text-anchor="middle">${clean(panel.xlabel)}</text>`);
     parts.push(`<text class="ylabel" transform="translate(11,${MARGIN.top + inner.h / 2}) rotate(-90)" text-anchor="middle">${clean(panel.ylabel)}</text>`);
@@ -130,6 +144,7 @@ class Plot {
         }
       }
     }
+    if (!this.overTime) this.withoutSpikes(low, high);
     for (const axis of ["x", "y"]) {
       for (const value of (this.reference || { [axis]: [] })[axis]) {
         if (value === null) continue;
@@ -139,6 +154,7 @@ class Plot {
     }
     if (!(high.y >= low.y)) Object.assign(low, { x: 0, y: 0 }), Object.assign(high, { x: 1, y: 1 });
     this.nearTheory(low, high);
+    this.clipped = this.overTime ? 0 : this.shareOutside(low, high);
     const room = high.y - low.y;
     this.distant = []; // limits too far away to be worth the room
     for (const limit of this.runs[0].limits[panel.key] || []) {
@@ -165,13 +181,37 @@ class Plot {
     Object.assign(this, { low, high, scale: { x: across, y: up } });
   }
 
+  // The samples of the plane that are shown: of every run its x and y, within the time shown.
+  planeSamples() {
+    const name = this.panel.lines[0].y, found = { x: [], y: [] };
+    for (const { data } of this.runs) {
+      for (let i = 0; i < data.count; i++) {
+        if (data.t[i] < this.span[0] - 1e-6 || data.t[i] > this.span[1] + 1e-6) continue;
+        found.x.push(data[this.panel.x][i]);
+        found.y.push(data[name][i]);
+      }
+    }
+    return found;
+  }
+
+  // A foot that lands makes the state jump for some milliseconds; an axis that held these spikes would show little else.
+  withoutSpikes(low, high) {
+    for (const [axis, values] of Object.entries(this.planeSamples())) [low[axis], high[axis]] = bulk(values);
+  }
+
+  shareOutside(low, high) {
+    const { x, y } = this.planeSamples(), slack = 1e-6;
+    const out = x.filter((value, i) => value < low.x - slack || value > high.x + slack || y[i] < low.y - slack || y[i] > high.y + slack);
+    return out.length / (x.length || 1);
+  }
+
   // Of a robot that falls the plane shows what is near the closed form: elsewhere there is nothing to compare.
   nearTheory(low, high) {
     if (!this.reference || this.overTime) return;
     for (const axis of ["x", "y"]) {
-      const values = this.reference[axis].filter((value) => value !== null), [least, most] = [Math.min(...values), Math.max(...values)];
-      low[axis] = Math.max(low[axis], least - (most - least));
-      high[axis] = Math.min(high[axis], most + (most - least));
+      const values = this.reference[axis].filter((value) => value !== null), [least, most] = [Math.min(...values), Math.max(...values)], beyond = 0.4 * (most - least);
+      low[axis] = Math.max(low[axis], least - beyond);
+      high[axis] = Math.min(high[axis], most + beyond);
     }
   }
 
@@ -196,13 +236,21 @@ class Plot {
 
   limits(width) {
     const near = (this.runs[0].limits[this.panel.key] || []).filter((limit) => !this.distant.includes(limit));
-    const lines = near.map((limit) =>
-      `<line class="limit" x1="${MARGIN.left}" x2="${MARGIN.left + width}" y1="${this.y(limit.value)}" y2="${this.y(limit.value)}"><title>${clean(limit.name)}</title></line>`);
+    const lines = near.map((limit) => `<line class="limit" x1="${MARGIN.left}" x2="${MARGIN.left + width}" y1="${this.y(limit.value)}" y2="${this.y(limit.value)}"/>`);
     if (this.panel.band && near.length === 2) {
       const [top, bottom] = near.map((limit) => this.y(limit.value)).sort((a, b) => a - b);
       lines.unshift(`<rect class="band" x="${MARGIN.left}" width="${width}" y="${top}" height="${number(bottom - top)}"/>`);
     }
     return lines.join("");
+  }
+
+  // Names and values of the limits in the picture, on their lines; drawn over the curves, with a rim to be read on them.
+  limitNames(width) {
+    const near = (this.runs[0].limits[this.panel.key] || []).filter((limit) => !this.distant.includes(limit) && limit.value !== 0);
+    return near.map((limit) => {
+      const y = this.y(limit.value), below = y < MARGIN.top + 14;
+      return `<text class="told" x="${MARGIN.left + width - 3}" y="${y + (below ? 11 : -3)}" text-anchor="end">${clean(limit.name)} ${told(limit.value, 0)}</text>`;
+    }).join("");
   }
 
   // What theory says the curve should be, below it.
@@ -269,13 +317,15 @@ class Plot {
     if (this.runs.length > 1) notes.push("dotted " + this.hooks.second);
     if (!this.overTime) notes.push("dashed falling");
     if (this.reference) notes.push("wide closed form");
-    for (const name of new Set(this.distant.map((limit) => limit.name))) {
+    if (this.clipped) notes.push(`clipped: ${told(Math.max(0.1, 100 * this.clipped), 1)} % of the run, after contacts, lie outside`);
+    const distant = [...new Set(this.distant.map((limit) => limit.name))].map((name) => {
       const values = this.distant.filter((limit) => limit.name === name).map((limit) => Math.abs(limit.value));
-      notes.push(name + " " + (values.length > 1 ? "±" : "") + number(values[0]));
-    }
+      return name + " " + (values.length > 1 ? "±" : "") + number(values[0]);
+    });
+    if (distant.length) notes.push(distant.join(", ") + " " + (this.panel.ylabel.match(/\[(.*)\]/) || ["", ""])[1]);
     const note = document.createElement("span");
     note.className = "note";
-    note.textContent = note.title = notes.join(", ");
+    note.textContent = notes.join(", ");
     const keys = document.createElement("div");
     keys.className = "keys";
     this.header.append(note, keys);

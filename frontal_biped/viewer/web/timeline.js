@@ -61,7 +61,9 @@ function stateAt(run, time) {
 function drawCaption(host, run, name) {
   const box = document.createElement("div");
   box.className = "run";
-  const where = document.createElement("p");
+  const where = document.createElement("p"), source = document.createElement("p");
+  source.className = "source";
+  source.textContent = run.source || "";
   const cycle = document.createElement("ul");
   cycle.className = "cycle";
   for (const word of ["rising", "reversal", "falling", "impact"]) {
@@ -70,13 +72,14 @@ function drawCaption(host, run, name) {
     item.textContent = word;
     cycle.append(item);
   }
-  box.append(where, cycle);
+  box.append(where, cycle, source);
   host.append(box);
   let shown = "";
+  const of = run.outcome === "completed" ? " of " + run.steps : ""; // of a walk that fell there is no last one
   return (time) => {
     const { phase, lit, over } = stateAt(run, time);
     const numbers = (run.readout || []).map((one) => `${one.name} ${told(valueAt(run.data, one.y, time), one.digits)} ${one.unit}`);
-    const text = name + (over ? "fell: " + run.outcome : ["step " + phase.step, phase.stance + " foot stands", ...numbers].join(", "));
+    const text = name + (over ? `fell after ${run.steps} steps: ${run.outcome}` : ["step " + phase.step + of, phase.stance + " foot stands", ...numbers].join(", "));
     if (shown === text + lit) return;
     shown = text + lit;
     where.textContent = text;

@@ -70,13 +70,13 @@
     const { position, target, half_width } = about.camera, [wayX, wayY] = way(now());
     const offset = position.map((value, k) => value - target[k]);
     const shown = Math.hypot(...offset) * Math.tan((viewer.camera.fov * Math.PI) / 360) * viewer.camera.aspect;
-    const taken = (part, size, whole) => (about.inset ? at(part)[size] / Math.max(at("scene")[whole], 1) : 0);
-    const free = 1 - taken("inset", "offsetWidth", "clientWidth"), above = 1 - taken("toggles", "offsetHeight", "clientHeight");
-    const away = Math.max(1 / above, (1.05 * half_width) / (free * shown));
+    const over = about.inset && getComputedStyle(at("inset")).position === "absolute";
+    const free = over ? 1 - at("inset").offsetWidth / Math.max(at("scene").clientWidth, 1) : 1;
+    const away = Math.max(1, (1.05 * half_width) / (free * shown));
     const own = ([x, y, z]) => [x, z, -y]; // the viewer's own frame has y up
-    // the middle of the picture is that of what is left free: beside the inset, above the boxes to tick
-    const aside = ((1 - free) * away * shown) / Math.hypot(offset[0], offset[1]), down = ((1 - above) * away * shown) / viewer.camera.aspect;
-    const centre = [target[0] + wayX - aside * offset[1], target[1] + wayY + aside * offset[0], target[2] - down];
+    // the middle of the picture is that of what is left free beside the inset
+    const aside = ((1 - free) * away * shown) / Math.hypot(offset[0], offset[1]);
+    const centre = [target[0] + wayX - aside * offset[1], target[1] + wayY + aside * offset[0], target[2]];
     viewer.camera.position.set(...own(centre.map((value, k) => value + away * offset[k])));
     viewer.controls.target.set(...own(centre));
     along = [wayX, wayY];
@@ -104,7 +104,8 @@
     light: { top: [0.8, 0.87, 0.94], bottom: [0.97, 0.98, 0.99], floor: 0xe4e9ef, glow: 0x565a60, line: 0xaab4c2, rim: 0x222222 },
     dark: { top: [0.12, 0.15, 0.19], bottom: [0.26, 0.3, 0.35], floor: 0x424c58, glow: 0x101418, line: 0x5a6673, rim: 0xd8dee6 },
   };
-  let dark = about.theme === "dark" || (about.theme !== "light" && matchMedia("(prefers-color-scheme: dark)").matches);
+  const wish = matchMedia("(prefers-color-scheme: dark)");
+  let dark = about.theme === "dark" || (about.theme !== "light" && wish.matches);
   const paint = () => {
     document.documentElement.classList.toggle("dark", dark);
     at("theme").textContent = dark ? "Light" : "Dark";
@@ -131,6 +132,7 @@
     viewer.set_dirty();
   };
   at("theme").addEventListener("click", () => { dark = !dark; paint(); });
+  if (about.theme === "auto") wish.addEventListener("change", () => { dark = wish.matches; paint(); });
   paint();
 
   // ------------------------------------------------------------------ time
@@ -287,6 +289,7 @@
     last = time;
     if (slider.max !== String(duration())) slider.max = String(duration());
     slider.value = String(time);
+    slider.style.setProperty("--done", (100 * time) / (duration() || 1) + "%");
     at("clock").textContent = time.toFixed(2) + " / " + duration().toFixed(2) + " s";
     for (const tell of captions) tell(time);
     uncover(time);
