@@ -36,7 +36,6 @@ from frontal_biped.simulation.trajectory import Trajectory, save_trajectory
 from frontal_biped.simulation.walking import simulate
 
 STEPS = 20
-PAGE_STEPS = 6  # animated in the report; enough for both feet three times
 CONTROL_PERIOD = 1e-3  # [s]
 COMPARED_PERIODS = (4e-3, 2e-3, 1e-3)  # [s], for the order of the sampling error
 COMPARED_STEPS = 1
@@ -45,6 +44,7 @@ REVERSAL_ERRORS = (-1e-3, -1e-5, 1e-5, 1e-4)  # [rad]; 1e-3 late costs 1.7 rad, 
 SHOWN_STABILISERS = ("adaptive", "ankle")
 SHOWN_PUSHES: tuple[tuple[str, float], ...] = (("at the reversal", 1.0),)  # `analyze --robustness` has four
 MAP_SAMPLES = 7
+DRAWN_MAP_SAMPLES = 25  # of the map in the figure: its corners are seen
 PUSH_RESOLUTION = 8.0  # [N s]
 CONTINUOUS = SimulationSettings(rtol=1e-8, atol=1e-10)  # 20 steps repeat to some 1e-10, far inside 1e-7
 SPEED_ERROR_STEPS = 3  # the decay by the multiplier shows after a few
@@ -184,7 +184,14 @@ def _robust_card(
     robust = design_gait(biped, load_specification("robust")).gait
     if robust is None:
         return None
-    return robustness_card(biped, robust, stabilisers=stabilisers, instants=pushes, push_resolution=PUSH_RESOLUTION)
+    return robustness_card(
+        biped,
+        robust,
+        stabilisers=stabilisers,
+        instants=pushes,
+        push_resolution=PUSH_RESOLUTION,
+        samples=DRAWN_MAP_SAMPLES,
+    )
 
 
 def _sampled(
@@ -209,7 +216,7 @@ def _draw(biped: FrontalBiped, run: Trajectory, report: DemoReport, paths: list[
     ]
     page = report_page(
         biped,
-        run.first_steps(PAGE_STEPS),
+        run,
         drawn,
         title=f"{biped.name}: a certified frontal gait",
         numbers=report.figures(),

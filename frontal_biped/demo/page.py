@@ -2,9 +2,12 @@
 
 import html
 import math
+import re
 from collections.abc import Sequence
 from string import Template
 
+from frontal_biped.demo.typeset import typeset
+from frontal_biped.figures.style import DARK
 from frontal_biped.figures.write import FIGURES
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import Trajectory
@@ -48,7 +51,7 @@ def report_page(
         The page's text.
     """
     heading = title or f"{biped.name}: frontal-plane walking"
-    animation = animation_page(biped, trajectory, title=biped.name, theme="light")
+    animation = animation_page(biped, trajectory, title=biped.name, theme="auto")
     outcome = f"{trajectory.steps_completed} steps, {trajectory.outcome}"
     body = Template(web_text("report.html", _HERE)).substitute(
         title=html.escape(heading),
@@ -58,19 +61,32 @@ def report_page(
         constraints=_constraint_table(constraints),
         notes=_robustness_tables(robustness) + _notes(notes),
         figures="\n".join(
-            f"<figure>\n{svg}\n<figcaption>{html.escape(FIGURES.get(caption, caption))}</figcaption>\n</figure>"
+            f"<figure>\n{_both_schemes(svg)}\n"
+            f"<figcaption>{html.escape(FIGURES.get(caption, caption))}</figcaption>\n</figure>"
             for caption, svg in figures
         ),
     )
-    return closed_page(heading, web_text("report.css", _HERE), body)
+    dark = " ".join(f"{_variable(light)}: {dark};" for light, dark in DARK.items())
+    style = web_text("report.css", _HERE) + f"@media (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}\n"
+    return closed_page(heading, style, body, schemes="light dark")
+
+
+def _variable(colour: str) -> str:
+    return f"--figure-{colour.removeprefix('#')}"
+
+
+def _both_schemes(svg: str) -> str:
+    """A figure whose colours of `DARK` are variables of the page's style, lest it shine in the dark."""
+    for light in DARK:
+        svg = re.sub(rf"(?<=: ){light}\b", f"var({_variable(light)}, {light})", svg)
+    return svg
 
 
 def _numbers_table(rows: Sequence[NumberRow]) -> str:
     if not rows:
         return ""
     body = "\n".join(
-        f'<tr><th scope="row">{html.escape(name)}</th><td>{_value(value)}</td>'
-        f'<td class="unit">{html.escape(unit)}</td></tr>'
+        f'<tr><th scope="row">{typeset(name)}</th><td>{_value(value)}</td><td class="unit">{typeset(unit)}</td></tr>'
         for name, value, unit in rows
     )
     return f'<section id="numbers">\n<h2>Key numbers</h2>\n<table>\n<tbody>\n{body}\n</tbody>\n</table>\n</section>'
@@ -86,8 +102,9 @@ def _constraint_table(rows: Sequence[ConstraintRow]) -> str:
         shown = "" if margin is None else _value(margin)
         lines.append(
             f'<tr class="{"kept" if kept else "violated"}"><th scope="row">{html.escape(code)}</th>'
-            f'<td class="text">{html.escape(name)}</td><td>{_value(value)}</td><td>{_value(bound)}</td>'
-            f'<td>{mark}{shown}</td><td class="unit">{html.escape(unit)}</td></tr>'
+            f'<td class="text">{typeset(name)}</td><td data-name="value">{_value(value)}</td>'
+            f'<td data-name="bound">{_value(bound)}</td>'
+            f'<td data-name="margin">{mark}{shown}</td><td class="unit">{typeset(unit)}</td></tr>'
         )
     head = "".join(f'<th scope="col">{word}</th>' for word in ("", "constraint", "value", "bound", "margin", "unit"))
     body = "\n".join(lines)
@@ -103,7 +120,7 @@ def _robustness_tables(cards: Sequence[tuple[str, Sequence[tuple[str, str]]]]) -
     tables = []
     for gait, rows in cards:
         body = "\n".join(
-            f'<tr><th scope="row">{html.escape(name.strip())}</th><td class="text">{html.escape(text)}</td></tr>'
+            f'<tr><th scope="row">{html.escape(name.strip())}</th><td class="text">{typeset(text)}</td></tr>'
             for name, text in rows
         )
         tables.append(
@@ -116,7 +133,7 @@ def _robustness_tables(cards: Sequence[tuple[str, Sequence[tuple[str, str]]]]) -
 def _notes(notes: Sequence[str]) -> str:
     if not notes:
         return ""
-    paragraphs = "\n".join(f"<p>{html.escape(note)}</p>" for note in notes)
+    paragraphs = "\n".join(f"<p>{typeset(note)}</p>" for note in notes)
     return f'<section id="notes">\n<h2>Notes</h2>\n{paragraphs}\n</section>'
 
 
@@ -129,13 +146,9 @@ def _at_least_zero(margin: float | str) -> bool:
 
 def _value(value: float | int | str) -> str:
     if isinstance(value, str):
-        return html.escape(value)
+        return typeset(value)
     if isinstance(value, int):
         return str(value)
     if not math.isfinite(value):
         return {math.inf: "∞", -math.inf: "−∞"}.get(value, "not a number")
-    text = f"{value:.4g}"
-    if "e" in text:
-        mantissa, exponent = text.split("e")
-        return f"{mantissa.replace('-', '−')} × 10<sup>{str(int(exponent)).replace('-', '−')}</sup>"
-    return text.replace("-", "−")
+    return typeset(f"{value:.4g}")

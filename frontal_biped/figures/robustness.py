@@ -4,9 +4,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from frontal_biped.analysis.robustness import RobustnessCard
 from frontal_biped.analysis.sensitivity import LossOfInvariance
+from frontal_biped.arrays import FloatArray
 from frontal_biped.figures.style import BLACK, BLUE, GREEN, PURPLE, VERMILION, legend_above, new_figure, styled
 
 if TYPE_CHECKING:
@@ -14,7 +16,7 @@ if TYPE_CHECKING:
 
 ROBUSTNESS_FIGURES: dict[str, str] = {
     "sensitivity": "Loss of invariance over the error of the reversal point: full model, one step.",
-    "return_map": "Return map of the post-impact speed, closed form, for the gait in the legend; bars: what returns.",
+    "return_map": "Return map of the post-impact speed, closed form at the markers, smooth between; bar: what returns.",
 }
 """Names and captions, in the order of a report."""
 
@@ -58,6 +60,30 @@ def sensitivity(runs: Sequence[LossOfInvariance]) -> "Figure":
     return figure
 
 
+def smooth(x: FloatArray, y: FloatArray, points: int = 20) -> tuple[FloatArray, FloatArray]:
+    """A curve through points without corners, that goes up and down where they do and nowhere else (PCHIP).
+
+    Args:
+        x: (n,) increasing.
+        y: (n,); nan: the curve has a gap there.
+        points: of the curve between two of the points.
+
+    Returns:
+        x and y of the curve.
+    """
+    xs, ys = [np.zeros(0)], [np.zeros(0)]
+    known = np.isfinite(y)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]).astype(int)))
+    for start, end in edges.reshape(-1, 2).tolist():
+        if end - start < 2:
+            continue
+        own = slice(start, end)
+        fine = np.interp(np.linspace(start, end - 1, points * (end - start - 1) + 1), np.arange(start, end), x[own])
+        xs += [fine, np.array([np.nan])]
+        ys += [PchipInterpolator(x[own], y[own])(fine), np.array([np.nan])]
+    return np.concatenate(xs), np.concatenate(ys)
+
+
 @styled
 def return_map(card: RobustnessCard, gait: str = "gait") -> "Figure":
     """Post-impact speed of the next step over that of this one, both relative to the gait's.
@@ -67,7 +93,7 @@ def return_map(card: RobustnessCard, gait: str = "gait") -> "Figure":
         gait: what the legend calls it.
 
     Returns:
-        One panel; the bars at its foot span the speeds that return.
+        One panel; the bars at its foot span the speeds that return. Markers are what was computed.
     """
     figure = new_figure("return_map", 4.2)
     ax = figure.add_subplot()
@@ -76,7 +102,9 @@ def return_map(card: RobustnessCard, gait: str = "gait") -> "Figure":
     ax.plot(ends, ends, color=BLACK, linewidth=0.8, label="unchanged")
     for k, ((name, pairs), (colour, marker, line)) in enumerate(zip(card.sampled_maps.items(), _LOOKS, strict=False)):
         speeds, values = np.array(pairs).T
-        ax.plot(speeds, values, color=colour, linestyle=line, marker=marker, markersize=3.0, label=name)
+        ax.plot(*smooth(speeds, values), color=colour, linestyle=line)
+        ax.plot(speeds, values, color=colour, linestyle="none", marker=marker, markersize=3.0)
+        ax.plot([], [], color=colour, linestyle=line, marker=marker, markersize=3.0, label=name)
         basin, height = card.basins[name], -0.12 * (k + 1)
         ax.plot([basin.low, basin.high], [height, height], color=colour, linewidth=5.0, alpha=0.7)
     ax.plot([1.0], [1.0], "o", color=BLACK, markersize=6, linestyle="none", label=gait)

@@ -35,6 +35,23 @@ BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, BLACK = (
 )
 PALE = "#8FC1E6"
 """Of a wide line that another is drawn over; light in greyscale too."""
+DARK = {
+    "#ffffff": "#1b2128",
+    "#000000": "#d3dae1",
+    "#222222": "#e6ebf0",
+    "#52606d": "#a5b1bd",
+    "#6b7480": "#a5b1bd",
+    "#dde2e8": "#39434e",
+    "#c9ced6": "#4c5763",
+    "#e3ecf6": "#263442",
+    "#8fc1e6": "#3f6d90",
+    "#0072b2": "#5cb8ee",
+    "#d55e00": "#ff9450",
+    "#009e73": "#3fcf9f",
+    "#aa4499": "#ea8bd8",
+}
+"""What a colour of a figure becomes on a dark page; the ones left out are bright enough for both."""
+
 JOINT_STYLES = ((BLUE, "-"), (VERMILION, "--"), (GREEN, "-."), (PURPLE, ":"))
 
 _STYLE: Any = {

@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_LABELS = (r"$q_1=\beta$", r"$q_2$", r"$q_3$", r"$q_4$")
-
 
 @styled
 def joint_angles(trajectory: Trajectory, steps: int = 2) -> "Figure":
@@ -56,7 +54,7 @@ def joint_angles(trajectory: Trajectory, steps: int = 2) -> "Figure":
         if i > 0:
             ax.plot(t, desired[:, i - 1], color=PALE, linewidth=3.0, label="desired")
         ax.plot(t, q[:, i], color=BLACK, linestyle=(0, (4, 2)), linewidth=1.2, label=done)
-        ax.set_ylabel(f"{JOINTS[i]}\n{_LABELS[i]} [rad]")
+        ax.set_ylabel(JOINTS[i] + (r" $\beta$" if i == 0 else "") + "\n[rad]")
     shade_phases(axes, run)
     handles, labels = axes[1].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper right", ncols=2)
@@ -81,7 +79,7 @@ def torques(biped: FrontalBiped, trajectory: Trajectory, steps: int = 2, ax: "Ax
     figure, ax = own_or_new(ax, "torques", 3.2)
     t, u = by_phase(run, run.u)
     for i, (colour, style) in enumerate(JOINT_STYLES):
-        ax.plot(t, u[:, i], color=colour, linestyle=style, label=f"{JOINTS[i]} $u_{i + 1}$")
+        ax.plot(t, u[:, i], color=colour, linestyle=style, label=JOINTS[i])
     limits, peak = biped.max_torque, float(np.abs(run.u).max())
     shade_phases([ax], run)
     for i, limit in enumerate(limits[:2]):  # the two legs have the same (HR3)

@@ -14,7 +14,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.gait.holding_wrench import HoldingWrench, StepHolding
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.chain import GRAVITY
+from frontal_biped.model.chain import GRAVITY, JOINTS
 from frontal_biped.model.impact import Landing
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit
 from frontal_biped.zero_dynamics.poincare import StepOrbit
@@ -116,7 +116,7 @@ def phase_limits(
         _bound("C06", f"F_h / F_v, {phase}", "-", F_h / F_v, -mu, mu, SHARE, "friction"),
         _bound("C06", f"FRI in the sole, {phase}", "m", p_fri, low, high, PLACE, "fri_margin"),
         tuple(
-            _bound("C06", f"torque u_{i + 1}, {phase}", "N m", u, -limit, limit, TORQUE, f"max_torque[{i}]")
+            _bound("C06", f"{JOINTS[i]} torque, {phase}", "N m", u, -limit, limit, TORQUE, f"max_torque[{i}]")
             for i, (u, limit) in enumerate(zip(forces[TORQUES], spec.torque_limits(biped).tolist(), strict=True))
         ),
     )
@@ -314,9 +314,9 @@ def _joint_limits(
     for i, bounds in enumerate(zip(biped.joint_lower, biped.joint_upper, biped.joint_max_velocity, strict=True)):
         lower, upper, fastest = (float(bound) if np.isfinite(bound) else None for bound in bounds)
         if lower is not None or upper is not None:
-            found.append(_bound("joint limits", f"q_{i + 1}, {phase}", "rad", q[:, i], lower, upper, POSITION))
+            found.append(_bound("joint limits", f"{JOINTS[i]} angle, {phase}", "rad", q[:, i], lower, upper, POSITION))
         if fastest is not None:
-            name, velocity = f"|dq_{i + 1}/dt|, {phase}", orbit.motion.dq[:, i] * orbit.dbeta
+            name, velocity = f"{JOINTS[i]} speed, {phase}", orbit.motion.dq[:, i] * orbit.dbeta
             found.append(_bound("joint limits", name, "rad/s", velocity, -fastest, fastest, VELOCITY))
     return found
 

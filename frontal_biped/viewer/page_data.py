@@ -48,7 +48,9 @@ PANELS: tuple[dict[str, Any], ...] = (
     panel("force", "Ground reaction", "force [N]", [("vertical", "fv"), ("horizontal", "fh")]),
     panel("foot", "Swing foot", "height [mm]", [("inner end", "inner"), ("outer end", "outer")]),
     panel("roll", "Pelvis roll", "roll [degrees]", [("pelvis", "roll")]),
-    panel("error", "Tracking error", "actual − desired [mrad]", [(name, f"e{i + 2}") for i, name in enumerate(JOINTS[1:])]),
+    panel(
+        "error", "Tracking error", "actual − desired [mrad]", [(name, f"e{i + 2}") for i, name in enumerate(JOINTS[1:])]
+    ),
     panel("speeds", "Joint velocities", "velocity [rad/s]", [(name, f"v{i + 1}") for i, name in enumerate(JOINTS)]),
 )
 """What a plot of the page can show; the first four are shown first."""

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.urdf.shapes import IntArray, mesh_triangles, mesh_vertices
@@ -15,6 +17,9 @@ MOST_TRIANGLES = 40_000
 CELLS_ACROSS = 12
 """At least, of the longest side of each mesh: fingers stay fingers."""
 
+DEBRIS = 2e-3
+"""Parts with less than this share of a mesh's area (screws, engraved letters) are lone triangles once it is light."""
+
 CREASE = np.radians(35.0)
 """Edges sharper than this stay edges; smoother ones are shaded round."""
 
@@ -23,15 +28,20 @@ PLAIN = (0.78, 0.80, 0.83, 1.0)
 
 
 def light_meshes(shapes: pin.GeometryModel) -> Iterator[tuple[pin.GeometryObject, FloatArray, IntArray]]:
-    """Meshes of a robot, their vertices (n, 3) merged within cells until all triangles (k, 3) are few."""
+    """Meshes of a robot, their vertices (n, 3) merged within cells until all triangles (k, 3) are few.
+
+    What that leaves of small parts, a triangle here and a shard there, is left out; meshes that were light stay whole.
+    """
     meshes = [shape for shape in shapes.geometryObjects if is_mesh(shape)]
     read = [(mesh_vertices(shape), mesh_triangles(shape)) for shape in meshes]
-    cell = 1e-4  # [m], a tenth of a millimetre welds what belongs together
+    cell = welded = 1e-4  # [m], a tenth of a millimetre welds what belongs together
     light = [merge_vertices(*mesh, cell) for mesh in read]
     largest = [np.ptp(vertices, axis=0).max(initial=0.0) / CELLS_ACROSS for vertices, _ in light]
     while sum(len(faces) for _, faces in light) > MOST_TRIANGLES and cell < max(largest):
         cell *= 1.25
         light = [merge_vertices(*mesh, min(cell, limit)) for mesh, limit in zip(light, largest, strict=True)]
+    if cell > welded:
+        light = [without_debris(*mesh) for mesh in light]
     for shape, (vertices, faces) in zip(meshes, light, strict=True):
         yield shape, vertices, faces
 
@@ -66,6 +76,32 @@ def merge_vertices(vertices: FloatArray, faces: IntArray, cell: float) -> tuple[
     merged = merged[np.sort(first)]
     used, renumbered = np.unique(merged, return_inverse=True)
     return mean[used], renumbered.reshape(-1, 3).astype(np.int64)
+
+
+def without_debris(vertices: FloatArray, faces: IntArray, share: float = DEBRIS) -> tuple[FloatArray, IntArray]:
+    """A mesh without its small parts: those whose triangles hang together, and nothing else, and have little area.
+
+    Args:
+        vertices: (n, 3) [m].
+        faces: (k, 3) indices of vertices.
+        share: of the whole area, below which a part is left out. The largest part stays in any case.
+
+    Returns:
+        The vertices that are left and their triangles.
+    """
+    if not len(faces):
+        return vertices, faces
+    count = len(vertices)
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
+    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))
+    _, part_of_vertex = connected_components(graph, directed=False)
+    part = part_of_vertex[faces[:, 0]]
+    corners = vertices[faces]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    size = np.bincount(part, weights=area)
+    large = size >= min(share * size.sum(), size.max())
+    used, renumbered = np.unique(faces[large[part]], return_inverse=True)
+    return vertices[used], renumbered.reshape(-1, 3).astype(np.int64)
 
 
 def _one_number(rows: IntArray) -> IntArray:

@@ -56,7 +56,9 @@ SPACE_PANELS: tuple[dict[str, Any], ...] = (
         "angle [rad]",
         [(name, f"q{i + 1}", *([f"d{i + 1}"] if i else [])) for i, name in enumerate(JOINTS)],
     ),
-    panel("error", "Tracking error", "actual − desired [mrad]", [(name, f"e{i + 2}") for i, name in enumerate(JOINTS[1:])]),
+    panel(
+        "error", "Tracking error", "actual − desired [mrad]", [(name, f"e{i + 2}") for i, name in enumerate(JOINTS[1:])]
+    ),
     panel("load", "Vertical force", "force [N]", [("left foot", "fz_left"), ("right foot", "fz_right")]),
     panel("friction", "Friction used", "horizontal/vertical [-]", [("stance foot", "friction")], digits=3),
     panel("moment", "Yaw moment of the sole", "moment [N m]", [("stance foot", "moment")]),

@@ -125,7 +125,7 @@ def check_of(report, code, word=""):
         ("C06", "F_v", {"min_normal_force": 1.5}),
         ("C06", "F_h / F_v", {"friction": 0.01}),
         ("C06", "FRI", {"fri_margin": 0.049}),
-        ("C06", "torque u_2", {"max_torque": (150.0, 10.0, 150.0, 150.0)}),
+        ("C06", "stance hip torque", {"max_torque": (150.0, 10.0, 150.0, 150.0)}),
         ("C07", "L_h / L_v", {"friction": 0.001}),
         ("C09", "duration", {"step_duration": (0.1, 0.2)}),
         ("C09", "width", {"step_width": (0.5, 0.6)}),

@@ -7,6 +7,7 @@ import pytest
 
 from frontal_biped.gait.constraints import SoleHeights, sole_heights, step_constraints
 from frontal_biped.gait.margins import LIFTED, ContactMargins
+from frontal_biped.model.chain import JOINTS
 from frontal_biped.zero_dynamics.half_steps import falling_energy, rising_energy
 from frontal_biped.zero_dynamics.orbit import resample
 
@@ -74,7 +75,9 @@ def test_along_a_phase(biped, gait, margins, constraints, phase):
         "friction": room(rows[f"F_h / F_v, {phase}"]),
         "normal force": room(rows[f"F_v / m g, {phase}"]),
         "FRI in the sole": (room(rows[f"FRI in the sole, {phase}"]) + spec.fri_margin) / width,
-        "torque": min(room(rows[f"torque u_{i + 1}, {phase}"]) / limit for i, limit in enumerate(spec.max_torque)),
+        "torque": min(
+            room(rows[f"{joint} torque, {phase}"]) / limit for joint, limit in zip(JOINTS, spec.max_torque, strict=True)
+        ),
     }
     for name, value in expected.items():
         assert margins[f"{name}, {phase}"] == pytest.approx(value, abs=SAME), name

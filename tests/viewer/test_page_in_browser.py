@@ -143,7 +143,10 @@ def test_marks_lead_to_the_events_and_the_phase_is_said(opened):
         opened.at(0.5 * (run.event_t[k] + run.event_t[k + 1]))
         assert opened.lit() == [phase]
         foot = "left" if k < 2 else "right"
-        assert page.locator(".run p").first.inner_text() == f"step {1 + k // 2} of {run.steps_completed}, {foot} foot stands"
+        assert (
+            page.locator(".run p").first.inner_text()
+            == f"step {1 + k // 2} of {run.steps_completed}, {foot} foot stands"
+        )
     assert page.locator("#clock").inner_text() == f"{opened.now():.2f} / {run.t[-1]:.2f} s"
 
 
