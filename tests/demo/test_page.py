@@ -1,8 +1,11 @@
 """The report holds what it is given, as text, and asks no network."""
 
+import re
+
 from offline import assert_offline
 
 from frontal_biped.demo.page import report_page
+from frontal_biped.figures.style import DARK
 
 
 def test_report_escapes_text_and_asks_no_network(biped, orbit):
@@ -39,3 +42,20 @@ def test_report_escapes_text_and_asks_no_network(biped, orbit):
 def test_report_without_tables(biped, orbit):
     report = report_page(biped, orbit, [])
     assert "<table" not in report.split("</iframe>")[1]
+
+
+def test_colours_of_figures_follow_the_browser(biped, orbit):
+    """A colour that has a dark one is a variable of the page; the page's own style gives the variable a value."""
+    report = report_page(biped, orbit, [("torques", "<svg><path style='fill: #ffffff; stroke: #e69f00'/></svg>")])
+    assert "fill: var(--figure-ffffff, #ffffff); stroke: #e69f00" in report
+    dark = report.split("@media (prefers-color-scheme: dark)")[-1].split("}")[0]
+    assert f"--figure-ffffff: {DARK['#ffffff']};" in dark
+    assert '<meta name="color-scheme" content="light dark">' in report
+
+
+def test_steps_are_counted_once(biped, orbit):
+    """What the report says above the picture is what the page in it says."""
+    report = report_page(biped, orbit, [])
+    (inner,) = re.findall(r"&quot;steps&quot;: (\d+)", report)
+    assert int(inner) == orbit.steps_completed
+    assert f"<p>{orbit.steps_completed} steps, completed</p>" in report

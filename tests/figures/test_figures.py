@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from frontal_biped.analysis.free_landing import free_landing
 from frontal_biped.exceptions import MissingExtraError, RobotError
 from frontal_biped.figures import write as figures
+from frontal_biped.figures.robustness import smooth
 from frontal_biped.figures.time import clearance_profile
 from frontal_biped.gait import load_gait
 from frontal_biped.model import Robot, load_robot, models_dir
@@ -256,3 +257,16 @@ def test_feet_of_unknown_length_leave_the_landing_out(humanoid, monkeypatch):
 
     monkeypatch.setattr(Robot, "soles", property(unknown))
     assert [name for name, _ in figures.all_figures(*humanoid)] == list(figures.FIGURES)
+
+
+def test_a_smooth_curve_passes_through_its_points_without_corners_and_without_humps():
+    x = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 2.5])
+    y = np.array([0.0, 0.6, 1.0, 1.0, np.nan, 2.0])
+    fine, curve = smooth(x, y)
+    known = np.isfinite(curve)
+    for a, b in zip(x[:4], y[:4], strict=True):
+        assert curve[known][np.argmin(np.abs(fine[known] - a))] == pytest.approx(b, abs=1e-12)
+    assert np.all(np.diff(curve[known]) >= -1e-12)
+    slope = np.diff(curve[known]) / np.diff(fine[known])
+    assert np.abs(np.diff(slope)).max() < 0.2  # the broken line turns by 0.8 at its last corner
+    assert fine[known].max() == 1.5  # the point beyond the gap stands alone

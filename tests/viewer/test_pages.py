@@ -20,7 +20,7 @@ from frontal_biped.simulation.world import drawable, phase_spans, sole_ends, wor
 from frontal_biped.viewer import animation_page
 from frontal_biped.viewer.markers import ribbon, swing_traces
 from frontal_biped.viewer.page import SceneRecorder, recorded_scene
-from frontal_biped.viewer.page_data import MOST_SAMPLES, PANELS, page_data, samples
+from frontal_biped.viewer.page_data import MOST_SAMPLES, PANELS, page_data, samples, told_source
 from frontal_biped.viewer.robot_shapes import visual_model
 from frontal_biped.viewer.scene import cast
 
@@ -297,3 +297,17 @@ def test_missing_mesh_is_named(biped, tmp_path):
     meshy = FrontalBiped(Robot.of(replace(biped.description, urdf=urdf)))
     with pytest.raises(RobotError, match=r"meshy\.urdf.*nowhere"):
         visual_model(meshy.robot, meshy.spatial_model)
+
+
+def test_steps_are_counted_once(biped, walk):
+    """The page counts the steps that were completed, and numbers the last one so."""
+    (run,) = page_data(cast(biped, walk))["runs"]
+    assert run["steps"] == walk.steps_completed == run["phases"][-1]["step"]
+
+
+def test_page_says_what_is_shown(biped, orbit, walk):
+    assert told_source(orbit) == "the gait's periodic orbit, in closed form"
+    assert told_source(replace(walk, settings={"period": 1e-3})) == "simulated, control at 1000 Hz"
+    assert told_source(replace(walk, settings={"period": None})) == "simulated, continuous control"
+    assert told_source(replace(walk, settings={"period": 2e-3, "engine": "mujoco"})).startswith("simulated in MuJoCo")
+    assert told_source(replace(walk, settings={})) == ""

@@ -12,7 +12,14 @@ from frontal_biped.model.urdf.shapes import mesh_triangles, mesh_vertices
 from frontal_biped.simulation import orbit_trajectory
 from frontal_biped.viewer import animation_page
 from frontal_biped.viewer.page import SceneRecorder
-from frontal_biped.viewer.robot_meshes import MOST_TRIANGLES, is_mesh, light_meshes, merge_vertices, split_creases
+from frontal_biped.viewer.robot_meshes import (
+    MOST_TRIANGLES,
+    is_mesh,
+    light_meshes,
+    merge_vertices,
+    split_creases,
+    without_debris,
+)
 from frontal_biped.viewer.robot_shapes import visual_model
 from frontal_biped.viewer.scene import cast, draw_scene, frontal_camera
 
@@ -131,3 +138,21 @@ def test_head_and_feet_are_in_the_picture(name):
     half = np.radians(18.0)  # of a field of view of 36 degrees
     assert height + distance * np.tan(half - down) > top
     assert height - distance * np.tan(half + down) < 0.0
+
+
+def test_small_parts_of_a_light_mesh_are_left_out_and_large_ones_stay():
+    """Of a ball, a smaller ball beside it and a lone triangle, the triangle goes."""
+    ball, faces = sphere(16)
+    small = 0.2 * ball + [3.0, 0.0, 0.0]  # 4 % of the area
+    shard = 0.02 * np.eye(3) + [0.0, 0.0, 1.2]
+    vertices, triangles = merge_vertices(
+        np.concatenate([ball, small, shard]),
+        np.concatenate([faces, faces + len(ball), [np.arange(3) + 2 * len(ball)]]),
+        1e-6,
+    )
+    clean, left = without_debris(vertices, triangles)
+    assert len(left) == len(triangles) - 1
+    assert area(clean, left) == pytest.approx(1.04 * area(*merge_vertices(ball, faces, 1e-6)), rel=1e-9)
+    np.testing.assert_array_equal(np.unique(left), np.arange(len(clean)))
+    alone, kept = without_debris(shard, np.arange(3)[None])
+    assert len(alone) == 3 and len(kept) == 1
