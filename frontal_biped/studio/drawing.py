@@ -5,7 +5,7 @@ over time. So the studio shows what the page shows.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -64,11 +64,13 @@ class Drawing(NamedTuple):
         shapes: all of them.
         camera: position and target [m].
         depth: how far the robot reaches towards the camera [m].
+        standing: the robot upright, shown until there is a gait.
     """
 
     shapes: tuple[Shape, ...]
     camera: Mapping[str, Any]
     depth: float
+    standing: "Clip"
 
 
 class Track(NamedTuple):
@@ -105,7 +107,8 @@ class Clip:
 def drawing_of(biped: FrontalBiped) -> Drawing:
     """Shapes and camera of a robot."""
     recorder, visualizer = recording()
-    actors = [Actor(biped, _upright(biped), marked=False)]
+    upright = _upright(biped)
+    actors = [Actor(biped, upright, marked=False)]
     draw_scene(visualizer, actors)
     draw_markers(visualizer[FIRST], biped)
     poses = {c["path"]: _matrix(c["matrix"]) for c in recorder.commands if c["type"] == "set_transform"}
@@ -116,7 +119,9 @@ def drawing_of(biped: FrontalBiped) -> Drawing:
             if shape is not None:
                 shapes.append(shape)
     shapes += _push_arrow(float(biped.chain.joints[1, 1]))
-    return Drawing(tuple(shapes), frontal_camera(actors), _depth(biped, shapes))
+    moving = clip_of(biped, upright)
+    standing = replace(moving, phase=("standing; the gait follows",) * moving.frames)
+    return Drawing(tuple(shapes), frontal_camera(actors), _depth(biped, shapes), standing)
 
 
 def clip_of(biped: FrontalBiped, run: Trajectory, push: Push | None = None) -> Clip:

@@ -27,6 +27,7 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import load_robot, models_dir
 from frontal_biped.simulation.orbit import orbit_trajectory
 from frontal_biped.simulation.pushes import Push
+from frontal_biped.studio.curves import gait_curves
 from frontal_biped.studio.drawing import Clip, Drawing, clip_of, drawing_of
 from frontal_biped.viewer.page import animation_page
 
@@ -54,6 +55,7 @@ class Designed:
         message: one line: what was reached, or what stands in the way and what to relax.
         seconds: wall time of the design.
         clip: the gait as an animation; None without a gait.
+        curves: the gait in curves, HTML; "" without one.
     """
 
     gait: Gait | None
@@ -61,6 +63,7 @@ class Designed:
     message: str
     seconds: float
     clip: Clip | None
+    curves: str = ""
 
 
 @dataclass(frozen=True)
@@ -129,13 +132,14 @@ def design(tell: Tell, name: str, specification: GaitSpecification, start: Gait 
     if result.gait is None and hurried:
         tell("no way from the present gait; trying other starts, and what to relax")
         result = design_gait(biped, specification)
-    clip = None if result.gait is None else gait_clip(biped, result.gait)
-    return Designed(result.gait, result.report, result.message, result.seconds, clip)
+    clip, curves = (None, "") if result.gait is None else shown_gait(biped, result.gait)
+    return Designed(result.gait, result.report, result.message, result.seconds, clip, curves)
 
 
-def gait_clip(biped: FrontalBiped, gait: Gait) -> Clip:
-    """The periodic orbit as an animation that repeats."""
-    return clip_of(biped, orbit_trajectory(biped, gait, LOOP_STEPS, samples=41))
+def shown_gait(biped: FrontalBiped, gait: Gait) -> tuple[Clip, str]:
+    """The periodic orbit as an animation that repeats, and in curves."""
+    orbit = orbit_trajectory(biped, gait, LOOP_STEPS, samples=41)
+    return clip_of(biped, orbit), gait_curves(orbit)
 
 
 def push(tell: Tell, name: str, gait: Gait, impulse: float, moment: str) -> Pushed:
@@ -210,4 +214,4 @@ def opening(tell: Tell, name: str, specification: GaitSpecification) -> Designed
     if not report.satisfied:
         return design(tell, name, specification, gait)
     message = f"J = {gait.orbit.cost:.4f} N^2 m s: the gait that comes with the robot"
-    return Designed(gait, report, message, 0.0, gait_clip(biped, gait))
+    return Designed(gait, report, message, 0.0, *shown_gait(biped, gait))

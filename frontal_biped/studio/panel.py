@@ -36,6 +36,8 @@ class Panel:
         self._robots = gui.add_dropdown("robot", names, initial_value=workbench.state.robot, order=0)
         self._headline = gui.add_html("", order=1)
         self._folder: Any = None
+        with gui.add_folder("gait in curves", order=2.5):
+            self._curves = gui.add_html("")
         with gui.add_folder("push at the pelvis", order=3):
             size = gui.add_slider(
                 "impulse [N s]", -LARGEST_PUSH, LARGEST_PUSH, 1.0, 10.0,
@@ -67,6 +69,7 @@ class Panel:
             self._robots.value = state.robot
         self._put(self._headline, headline(state))
         self._put(self._margins, margins(state.report))
+        self._put(self._curves, state.curves)
         self._put(self._push, push_text(state))
         self._put(self._notice, notice_text(state))
 

@@ -45,6 +45,7 @@ class Stage:
         scene.configure_default_lights(cast_shadow=False)
         scene.set_background_image(_sky())
         scene.world_axes.visible = False
+        self._draw(None)
         self._thread = threading.Thread(target=self._run, name="studio-clock", daemon=True)
         self._thread.start()
 
@@ -72,9 +73,10 @@ class Stage:
         for node in [*(handle for _, handle in self._shapes.values()), *self._nodes.values()]:
             node.remove()
         self._nodes, self._shapes, self._drawing = {}, {}, drawing
-        if drawing is None:
-            return
         scene = self._server.scene
+        if drawing is None:
+            self._nodes["loading"] = scene.add_label("/loading", "loading the robot", position=(0.0, 0.0, 0.5))
+            return
         with self._server.atomic():
             for shape in drawing.shapes:
                 self._add_parents(shape.node)
@@ -125,7 +127,7 @@ class Stage:
             before = now
 
     def _tick(self, now: float) -> None:
-        clip, frame = self._gait, int(self._frame)
+        clip, frame = self._gait or (self._drawing and self._drawing.standing), int(self._frame)
         if self._once is not None and frame < self._once.frames + HELD * FPS:
             clip = self._once
         if clip is None or self._drawing is None:

@@ -45,6 +45,7 @@ class State:
         gait: the last good gait; None before the first.
         report: its C01 to C09.
         clip: the gait as an animation.
+        curves: the gait in curves, HTML; "" before the first.
         fits: was the gait designed for the specification as it stands?
         designing: what the designer does; "" when it rests.
         explanation: why there is no gait for the specification; "" where there is one.
@@ -65,6 +66,7 @@ class State:
     gait: Gait | None = None
     report: ConstraintReport | None = None
     clip: Clip | None = None
+    curves: str = ""
     fits: bool = False
     designing: str = ""
     explanation: str = ""
@@ -194,6 +196,7 @@ class Workbench:
                     gait=content.gait,
                     report=content.report,
                     clip=content.clip,
+                    curves=content.curves,
                     fits=True,
                     designing="",
                     explanation="",
