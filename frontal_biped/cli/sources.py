@@ -19,7 +19,7 @@ from frontal_biped.simulation.trajectory import Trajectory, load_trajectory
 from frontal_biped.simulation.walking import simulate
 
 VIEWED_STEPS = 6
-"""Walked when a gait is shown."""
+"""Of a gait that is shown."""
 
 
 class Source(NamedTuple):
@@ -114,8 +114,8 @@ def load_spatial_source(path: Path, robot: str | None) -> SpatialSource:
 
 
 def watched(path: Path, robot: str | None) -> tuple[FrontalBiped, Trajectory]:
-    """Robot and run of `load_source`."""
-    source = load_source(path, robot)
+    """Robot and run of `load_source`; of a gait its periodic orbit, which the page says."""
+    source = load_source(path, robot, lambda biped, gait: orbit_trajectory(biped, gait, VIEWED_STEPS))
     return source.biped, source.run
 
 

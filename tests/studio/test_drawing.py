@@ -48,8 +48,9 @@ def test_cylinders_have_nearly_the_volume_of_round_ones(drawing):
     assert 0.95 * round_one < volume(shank) < round_one  # 24 corners lack 1.1 %
 
 
-def test_robot_stands_on_the_ground_through_the_gait(biped, reference_gait, drawing):
-    clip = clip_of(biped, orbit_trajectory(biped, reference_gait, 2))
+@pytest.mark.parametrize("walking", [True, False])
+def test_robot_stands_on_the_ground_before_and_through_the_gait(biped, reference_gait, drawing, walking):
+    clip = clip_of(biped, orbit_trajectory(biped, reference_gait, 2)) if walking else drawing.standing
     soles = [shape for shape in drawing.shapes if shape.node.startswith(("robot/left_ankle", "robot/right_ankle"))]
     for frame in range(0, clip.frames, 5):
         lowest = []
