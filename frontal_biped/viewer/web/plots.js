@@ -318,11 +318,13 @@ class Plot {
     if (!this.overTime) notes.push("dashed falling");
     if (this.reference) notes.push("wide closed form");
     if (this.clipped) notes.push(`clipped: ${told(Math.max(0.1, 100 * this.clipped), 1)} % of the run, after contacts, lie outside`);
-    const distant = [...new Set(this.distant.map((limit) => limit.name))].map((name) => {
+    const near = (this.runs[0].limits[this.panel.key] || []).filter((limit) => !this.distant.includes(limit)).map((limit) => limit.name);
+    const distant = [...new Set(this.distant.map((limit) => limit.name))].filter((name) => !near.includes(name)).map((name) => {
       const values = this.distant.filter((limit) => limit.name === name).map((limit) => Math.abs(limit.value));
       return name + " " + (values.length > 1 ? "±" : "") + number(values[0]);
     });
-    if (distant.length) notes.push(distant.join(", ") + " " + (this.panel.ylabel.match(/\[(.*)\]/) || ["", ""])[1]);
+    const unit = (this.panel.ylabel.match(/\[(.*)\]/) || ["", ""])[1].replaceAll(" ", "\u00a0");
+    if (distant.length) notes.push(distant.join(", ") + "\u00a0" + unit);
     const note = document.createElement("span");
     note.className = "note";
     note.textContent = notes.join(", ");
