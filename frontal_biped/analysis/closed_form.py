@@ -4,18 +4,19 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from frontal_biped.analysis.in_space import SpaceAnalysis, analyse_in_space
+from frontal_biped.analysis.motors import MotorDemand, motor_demand
 from frontal_biped.exceptions import ReversalError
-from frontal_biped.gait.check import ConstraintReport, check_constraints
-from frontal_biped.gait.gait import Gait, converged_nodes, quadrature_error
+from frontal_biped.files.json_values import for_json
+from frontal_biped.gait.check import ConstraintReport
+from frontal_biped.gait.gait import Gait, quadrature_error
 from frontal_biped.gait.specification import GaitSpecification
+from frontal_biped.gait.verdict import Objection, judge
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.zero_dynamics.poincare import HybridZeroDynamics, step_orbit
-from frontal_biped.zero_dynamics.reversal.bracket import ReversalAnalysis, analyse_reversal
+from frontal_biped.numerics.verdict import Verdict, together
+from frontal_biped.zero_dynamics.poincare import HybridZeroDynamics
 from frontal_biped.zero_dynamics.reversal.certificate import ReversalCertificate, certify_reversal
+from frontal_biped.zero_dynamics.reversal.planned import ReversalAnalysis
 from frontal_biped.zero_dynamics.reversal.problem import ReversalProblem
-
-RESIDUAL_BOUND = 1e-9
-"""Largest residual of a certified gait: invariance, energy balance, stored orbit, reversal point."""
 
 COMPARED_NODES = (8, 16, 24, 32)
 """Quadrature nodes a phase whose error is shown beside the one that was used."""
@@ -44,6 +45,8 @@ class GaitAnalysis:
         reversal: where it reverses.
         residuals: of the gait, see `Gait.residuals`.
         constraints: C01..C09 on the dense grid.
+        open_points: what keeps the gait from being certified, see `gait.verdict`.
+        motors: what the gait needs of them.
         certificate: existence, number and uniqueness of the reversal point; None where no step exists, or not asked.
         in_space: what the gait means for the whole robot; None for a robot of four joints, or not asked.
     """
@@ -66,51 +69,60 @@ class GaitAnalysis:
     reversal: ReversalAnalysis
     residuals: dict[str, float]
     constraints: ConstraintReport
+    open_points: tuple[Objection, ...]
+    motors: MotorDemand
     certificate: ReversalCertificate | None
     in_space: SpaceAnalysis | None
 
     @property
+    def verdict(self) -> Verdict:
+        """On the gait: the one that `design` asked before it accepted the gait (`gait.verdict`)."""
+        return together(point.verdict for point in self.open_points)
+
+    @property
     def certified(self) -> bool:
         """Periodic, stable, hybrid invariant, reversing where planned, and within every constraint."""
-        return not self.objections
+        return self.verdict is Verdict.CERTIFIED
 
     @property
     def objections(self) -> tuple[str, ...]:
         """What stands against the certificate, one line each."""
-        found = [
-            f"residual {name} is {value:.3g}, above {RESIDUAL_BOUND:g}"
-            for name, value in self.residuals.items()
-            if not value <= RESIDUAL_BOUND
-        ]
-        if not 0.0 < self.multiplier < 1.0:
-            found.append(f"the multiplier {self.multiplier:.4g} is not in (0, 1): the gait is not stable")
-        if not self.in_domain:
-            found.append("the fixed point is outside the domain of the Poincare map")
-        if not self.reversal.is_reversal:
-            found.append("no reversal point was found in the bracket (HIP1, HIP2)")
-        elif not abs(self.reversal.beta - self.reversal.planned) <= RESIDUAL_BOUND:
-            found.append(
-                f"the reversal point {self.reversal.beta:.9g} rad is not the planned {self.reversal.planned:.9g} rad"
-            )
-        for check in self.constraints.violated:
-            found.append(f"{check.code} {check.name} = {check.value:.6g} {check.unit}, bound {check.bound:.6g}")
-        return tuple(found)
+        return tuple(point.reason for point in self.open_points)
+
+    @property
+    def certificate_text(self) -> str:
+        """The verdict in one line: yes, NO or UNDECIDED, and why."""
+        if self.certified:
+            return "yes"
+        return ("NO: " if self.verdict is Verdict.REFUTED else "UNDECIDED: ") + "; ".join(self.objections)
+
+    @property
+    def summary(self) -> str:
+        """Three lines: what was reached, what is tightest, what it needs of the motors."""
+        holds = f"periodic, stable (multiplier {self.multiplier:.4f}), reverses where planned, keeps C01 to C09"
+        return _table(
+            [
+                ("certificate", f"yes: {holds}" if self.certified else self.certificate_text),
+                ("tightest", self.constraints.tightest),
+                ("motors", str(self.motors)),
+            ]
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
         table = asdict(self)
-        table["reversal"]["is_reversal"] = self.reversal.is_reversal
+        table["reversal"] |= {"exists": self.reversal.exists, "is_reversal": self.reversal.is_reversal}
         table["constraints"] = self.constraints.as_dict()
         table["certificate"] = None if self.certificate is None else self.certificate.as_dict()
-        del table["in_space"]
+        del table["in_space"], table["open_points"]
         if self.in_space is not None:
             table["in_space"] = self.in_space.as_dict()
-        return {"certified": self.certified, "objections": list(self.objections), **table}
+        head = {"certified": self.certified, "verdict": self.verdict, "objections": list(self.objections)}
+        return dict(for_json(head | table))
 
     def __str__(self) -> str:
         r = self.reversal
         rows = [
-            ("certificate", "yes" if self.certified else "NO: " + "; ".join(self.objections)),
             ("J", f"{self.cost:.4f} N^2 m s"),
             ("step duration", f"{self.step_duration:.4f} s"),
             ("dbeta after impact", f"{self.speed_after_impact:.6f} rad/s"),
@@ -121,7 +133,10 @@ class GaitAnalysis:
                 f"{self.multiplier:.6f} (stable)" if 0.0 < self.multiplier < 1.0 else f"{self.multiplier:.6f}",
             ),
             ("reversal", f"{r.beta:.9f} rad, planned {r.planned:.9f}, in ]{r.bracket[0]:.4f}, {r.bracket[1]:.4f}["),
-            ("existence", f"Z changes sign between {r.sign_change[0]:.6f} and {r.sign_change[1]:.6f} rad"),
+            (
+                "existence",
+                f"{r.existence.value}: Z changes sign between {r.sign_change[0]:.9f} and {r.sign_change[1]:.9f}",
+            ),
             ("HIP1, HIP2", f"zeta {r.zeta_residual:.1e} (relative), ddbeta {r.acceleration:.4f} rad/s^2"),
             *(self.certificate.rows() if self.certificate is not None else ()),
             ("quadrature", f"{self.nodes} nodes a phase, measured error {self.quadrature_error:.1e}"),
@@ -131,10 +146,14 @@ class GaitAnalysis:
                 f"{max(self.residuals.values()):.1e} ({max(self.residuals, key=lambda k: self.residuals[k])})",
             ),
         ]
-        blocks = ["\n".join(f"{name:26} {value}" for name, value in rows), str(self.constraints)]
+        blocks = [self.summary, _table(rows), str(self.constraints)]
         if self.in_space is not None:
             blocks.append(str(self.in_space))
         return "\n\n".join(blocks)
+
+
+def _table(rows: list[tuple[str, str]]) -> str:
+    return "\n".join(f"{name:26} {value}" for name, value in rows)
 
 
 def analyze(
@@ -157,22 +176,20 @@ def analyze(
     Returns:
         Orbit, reversal, residuals and constraints.
 
-    Raises:
-        ReversalError: the reversal cannot be bracketed.
     """
     spec = specification or gait.specification
-    nodes = converged_nodes(biped, gait.rising, gait.falling, gait.step_width)
-    step = step_orbit(biped, gait.rising, gait.falling, gait.step_width, nodes)
+    judged = judge(biped, gait, spec)
+    nodes, step = judged.nodes, judged.step
     hzd = HybridZeroDynamics(biped, step)
     problem = ReversalProblem.of_phases(biped, gait.rising, gait.falling, gait.step_width, nodes)
     try:
-        certificate = certify_reversal(problem) if certify else None
+        certificate = certify_reversal(problem, judged.reversal) if certify else None
     except ReversalError:
         certificate = None
     return GaitAnalysis(
         robot=biped.name,
         nodes=nodes,
-        quadrature_error=quadrature_error(biped, gait.rising, gait.falling, gait.step_width, nodes),
+        quadrature_error=judged.quadrature_error,
         convergence={
             size: quadrature_error(biped, gait.rising, gait.falling, gait.step_width, size) for size in COMPARED_NODES
         },
@@ -187,9 +204,11 @@ def analyze(
         speed_after_impact=hzd.speed_after_impact,
         step_duration=float(step.duration),
         cost=float(step.cost),
-        reversal=analyse_reversal(biped, gait.rising, gait.falling, gait.step_width, nodes),
-        residuals=gait.residuals(biped, step),
-        constraints=check_constraints(biped, spec, gait.rising, gait.falling, step),
+        reversal=judged.reversal,
+        residuals=judged.residuals,
+        constraints=judged.constraints,
+        open_points=judged.objections,
+        motors=motor_demand(biped, gait, step),
         certificate=certificate,
         in_space=analyse_in_space(biped, gait, spec, step) if in_space else None,
     )

@@ -3,17 +3,17 @@
 import argparse
 import os
 
-from frontal_biped.cli.arguments import add_gait, add_json, add_robot, positive_int
+from frontal_biped.cli.arguments import add_gait, add_json, add_robot, add_verbose, positive_int
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
 from frontal_biped.cli.output import emit
 from frontal_biped.cli.progress import Progress
 
-SUMMARY = "Closed-form orbit, reversal, certificate, and C01 to C09 with margins; exit status 1 if not certified."
-EXAMPLE = "frontal-biped analyze gait.json"
+SUMMARY = "Is it a gait, what is tightest, what it needs of the motors; -v: all tables. Exit status 1 if not certified."
+EXAMPLE = "frontal-biped analyze gait.json -v"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Gait, robustness card, robot, JSON."""
+    """Gait, robustness card, robot, tables, JSON."""
     add_gait(parser)
     parser.add_argument(
         "--robustness",
@@ -28,6 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="worker processes for the robustness card; default: the processors there are",
     )
     add_robot(parser)
+    add_verbose(parser)
     add_json(parser)
 
 
@@ -42,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     with Progress("analysing:") as progress:
         progress.update("orbit, reversal and certificate")
         analysis = analyze(biped, gait)
-        table, text = analysis.as_dict(), str(analysis)
+        table, text = analysis.as_dict(), str(analysis) if arguments.verbose else analysis.summary
         if arguments.robustness:
             with workers(arguments.jobs) as executor:
                 card = robustness_card(biped, gait, executor=executor, on_progress=progress.update)

@@ -42,6 +42,11 @@ def add_json(to: Arguments) -> None:
     to.add_argument("--json", action="store_true", help="print the report as JSON")
 
 
+def add_verbose(to: Arguments) -> None:
+    """``--verbose``: the tables behind the first lines of a report."""
+    to.add_argument("-v", "--verbose", action="store_true", help="add the tables")
+
+
 def add_no_open(to: Arguments) -> None:
     """``--no-open``, of what is shown in a browser."""
     to.add_argument("--no-open", action="store_true", help="do not open a browser, only print the address")

@@ -218,7 +218,7 @@ def _draw(biped: FrontalBiped, run: Trajectory, report: DemoReport, paths: list[
         biped,
         run,
         drawn,
-        title=f"{biped.name}: a certified frontal gait",
+        title=f"{biped.name}: a {'certified ' if report.analysis.certified else ''}frontal gait",
         numbers=report.figures(),
         constraints=[
             (c.code, c.name, f"{c.value:.5g}", f"{c.bound:.4g}", f"{c.margin:.3g}", c.unit)

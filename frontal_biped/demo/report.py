@@ -72,7 +72,7 @@ class DemoReport:
         a = self.analysis
         relative = abs(self.multiplier_simulated / a.multiplier - 1.0)
         return [
-            ("Certificate", "yes" if a.certified else "NO: " + "; ".join(a.objections), ""),
+            ("Certificate", a.certificate_text, ""),
             ("Cost J", f"{a.cost:.3f}", "N² m s"),
             ("Step duration", f"{a.step_duration:.4f}", "s"),
             ("Post-impact speed dβ", f"{a.speed_after_impact:.5f}", "rad/s"),

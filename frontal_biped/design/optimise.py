@@ -20,13 +20,14 @@ from frontal_biped.files.provenance import software_versions
 from frontal_biped.gait.check import ConstraintReport
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.specification import GaitSpecification, default_specification
+from frontal_biped.gait.verdict import judge
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.numerics.verdict import Verdict
 
 OPTIMISER_NODES = 16
 """Quadrature nodes a phase in the optimiser: about 1e-7 in J; the result is integrated again until 1e-11."""
 
 SAFETY = 1e-7  # every scaled constraint keeps this distance in the optimiser, against its own tolerance
-RESIDUAL_TOLERANCE = 1e-9
 SPREAD = 0.5
 """Standard deviation of the starts of a multi-start, in units of the variables' scales."""
 
@@ -41,8 +42,8 @@ class DesignResult:
     Attributes:
         gait: the gait, or None when the specification could not be met.
         report: C01 to C09 on the dense grid at the point where the optimiser stopped; None where no step exists.
-        success: gait found, every constraint satisfied on the grid, every residual below 1e-9, and one step of the
-            full model simulated that returns to where it began.
+        success: gait found and certified (see `gait.verdict`), and one step of the full model simulated that returns
+            to where it began.
         message: one line: what was reached, or which constraints contradict each other and what to relax first.
         iterations: of the optimiser, all rounds and starts.
         evaluations: of objective and constraints, all rounds and starts.
@@ -182,14 +183,15 @@ class _Design:
         return found
 
     def conclude(self, candidate: Candidate) -> DesignResult:
-        """Residuals and a simulated step decide whether the candidate is a gait."""
+        """The verdict and a simulated step decide whether the candidate is a gait."""
         assert candidate.closed is not None
+        assert candidate.report is not None
         gait = candidate.closed.gait(self.problem)
-        residuals = gait.residuals(self.biped, candidate.closed.step)
-        name = max(residuals, key=lambda key: residuals[key])
-        if residuals[name] > RESIDUAL_TOLERANCE:
-            bound = f"{residuals[name]:.2g}, above {RESIDUAL_TOLERANCE:g}"
-            return self._result(None, candidate, f"the gait's residual {name} is {bound}; try another degree")
+        judged = judge(self.biped, gait, checked=(candidate.closed.step, candidate.report))
+        if judged.verdict is not Verdict.CERTIFIED:
+            reasons = "; ".join(objection.reason for objection in judged.objections)
+            message = f"the step found is no certified gait ({judged.verdict.value}): {reasons}"
+            return self._result(None, candidate, f"{message}; try another degree, or a max_multiplier below 1")
         verification = verify(self.biped, gait)
         if not verification.passed:
             seen = f"outcome {verification.outcome}, return error {verification.return_error:.2g}"
@@ -203,7 +205,7 @@ class _Design:
                 "iterations": self.search.iterations,
                 "evaluations": self.search.evaluations,
             },
-            "residuals": residuals,
+            "residuals": judged.residuals,
             "simulated_step": asdict(verification),
         }
         orbit = gait.orbit

@@ -28,6 +28,13 @@ ROUNDING = 1e-9
 """Scaled violation that counts as rounding; needed where a bound is met exactly, as by step_width = [0.3, 0.3]."""
 
 
+AT_ITS_BOUND = 1e-3
+"""Scaled margin below which a report calls a constraint at its bound; the optimiser keeps a ten-thousandth of it."""
+
+TOLD = 4
+"""Constraints at their bounds that a line names."""
+
+
 @dataclass(frozen=True)
 class ConstraintCheck:
     """One line of the report: the worst point of one constraint.
@@ -51,6 +58,11 @@ class ConstraintCheck:
     margin: float
     scale: float
     satisfied: bool
+
+    @property
+    def tightness(self) -> float:
+        """Margin in units of the scale; nan, where the orbit does not exist, is the tightest of all [-]."""
+        return -np.inf if np.isnan(self.margin) else self.margin / self.scale
 
     def __str__(self) -> str:
         row = f"{self.code:15} {self.name:43} {self.value:12.6g} {self.bound:10.4g} {self.margin:11.3g}"
@@ -83,7 +95,24 @@ class ConstraintReport:
     def violated(self) -> tuple[ConstraintCheck, ...]:
         """Those that do not, the worst first."""
         missed = [check for check in self.checks if not check.satisfied]
-        return tuple(sorted(missed, key=lambda check: check.margin / check.scale))
+        return tuple(sorted(missed, key=lambda check: check.tightness))
+
+    @property
+    def tightest(self) -> str:
+        """The violated constraints, else those at their bounds, else the one with the least margin, in one line."""
+        if self.violated:
+            return _listed(
+                "VIOLATED: ", [f"{c.code} {c.name} {_of(c.value, c)}, bound {_of(c.bound, c)}" for c in self.violated]
+            )
+        order = sorted(self.checks, key=lambda check: check.tightness)
+        bounding = [check for check in order if check.tightness < AT_ITS_BOUND]
+        if bounding:
+            return _listed("at the bound: ", [f"{c.code} {c.name} {_of(c.bound, c)}" for c in bounding])
+        least = order[0]
+        return (
+            f"{least.code} {least.name} {_of(least.value, least)}, bound {_of(least.bound, least)},"
+            f" margin {_of(least.margin, least)}"
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -96,6 +125,15 @@ class ConstraintReport:
     def __str__(self) -> str:
         head = f"{'':15} {'constraint':43} {'value':>12} {'bound':>10} {'margin':>11}"
         return "\n".join([head, *(f"{check}{'' if check.satisfied else '  VIOLATED'}" for check in self.checks)])
+
+
+def _of(value: float, check: ConstraintCheck) -> str:
+    return f"{value:.4g} {check.unit}".removesuffix(" -")
+
+
+def _listed(head: str, items: list[str]) -> str:
+    more = f"; and {len(items) - TOLD} more" if len(items) > TOLD else ""
+    return head + "; ".join(items[:TOLD]) + more
 
 
 def check_constraints(

@@ -1,9 +1,10 @@
 """A gait: two phases, a step width, and the numbers of its periodic orbit."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -144,24 +145,53 @@ def orbit_numbers(biped: FrontalBiped, step: StepOrbit) -> OrbitNumbers:
     return OrbitNumbers(hzd.speed_after_impact, hzd.fixed_point, float(step.duration), float(step.cost), hzd.multiplier)
 
 
+class Quadrature(NamedTuple):
+    """A number of quadrature nodes, and what it is worth.
+
+    Attributes:
+        nodes: a phase.
+        error: largest relative change of zeta at both ends, duration, cost and multiplier on doubling them [-].
+    """
+
+    nodes: int
+    error: float
+
+
 def quadrature_error(biped: FrontalBiped, rising: Phase, falling: Phase, step_width: float, nodes: int) -> float:
     """Largest relative change of zeta at both ends, duration, cost and multiplier from ``nodes`` to twice as many."""
-
-    def figures(size: int) -> FloatArray:
-        step = step_orbit(biped, rising, falling, step_width, size)
-        return np.array([step.rising.z[-1], step.falling.z[-1], step.duration, step.cost, step.multiplier])
-
-    coarse, fine = figures(nodes), figures(2 * nodes)
-    error = float(np.max(np.abs(coarse - fine) / np.abs(fine)))
-    return error if math.isfinite(error) else math.inf
+    figures = _figures_by_nodes(biped, rising, falling, step_width)
+    return _relative_change(figures(nodes), figures(2 * nodes))
 
 
-def converged_nodes(biped: FrontalBiped, rising: Phase, falling: Phase, step_width: float) -> int:
+def converged_quadrature(biped: FrontalBiped, rising: Phase, falling: Phase, step_width: float) -> Quadrature:
     """Fewest quadrature nodes a phase, from 16 up in steps of 8, whose measured error is below `QUADRATURE_ACCURACY`.
 
     Where rounding keeps the error above that, or the orbit does not exist, `MAX_NODES`.
     """
+    figures = _figures_by_nodes(biped, rising, falling, step_width)
     for nodes in range(MIN_NODES, MAX_NODES, 8):
-        if quadrature_error(biped, rising, falling, step_width, nodes) < QUADRATURE_ACCURACY:
-            return nodes
-    return MAX_NODES
+        error = _relative_change(figures(nodes), figures(2 * nodes))
+        if error < QUADRATURE_ACCURACY:
+            return Quadrature(nodes, error)
+    return Quadrature(MAX_NODES, _relative_change(figures(MAX_NODES), figures(2 * MAX_NODES)))
+
+
+def converged_nodes(biped: FrontalBiped, rising: Phase, falling: Phase, step_width: float) -> int:
+    """The nodes of `converged_quadrature`."""
+    return converged_quadrature(biped, rising, falling, step_width).nodes
+
+
+def _figures_by_nodes(
+    biped: FrontalBiped, rising: Phase, falling: Phase, step_width: float
+) -> Callable[[int], FloatArray]:
+    @cache  # twice 16 nodes are asked for again as 32
+    def figures(size: int) -> FloatArray:
+        step = step_orbit(biped, rising, falling, step_width, size)
+        return np.array([step.rising.z[-1], step.falling.z[-1], step.duration, step.cost, step.multiplier])
+
+    return figures
+
+
+def _relative_change(coarse: FloatArray, fine: FloatArray) -> float:
+    error = float(np.max(np.abs(coarse - fine) / np.abs(fine)))
+    return error if math.isfinite(error) else math.inf

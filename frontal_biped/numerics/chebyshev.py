@@ -12,10 +12,12 @@ fall off, the interval is halved.
 
 Zeros are then *counted*, not searched: the interval is divided until on every part either |p| > eps (no zero) or
 |p'| > eps' (at most one, and one exactly where the ends differ in sign). The bounds on a part are those of a Lipschitz
-constant of p and p', taken from the coefficients. Parts that come to neither end are returned as undecided.
+constant of p and p', taken from the coefficients. Neighbouring monotone parts, across pieces too, are one part; it has
+a zero where the signs at its ends are known, beyond the error, and differ. Parts that come to neither end are returned
+as undecided: near double zeros, and a zero within the error of an end of the whole interval.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +32,9 @@ SMALLEST_PART = 1e-7
 """Parts of the whole interval below which bisection gives up."""
 
 BISECTIONS = 40
+MOST_PARTS = 4096
+"""Parts of a piece left open at one time; beyond, as where a function is zero throughout, they are undecided."""
+
 MAX_EVALUATIONS = 4000
 
 
@@ -149,59 +154,140 @@ def _fit_once(function: Callable[[float], float], a: float, b: float, tolerance:
     return None
 
 
-def zeros(piece: Fit) -> tuple[list[Zero], list[tuple[float, float]]]:
-    """Every zero of the interpolated function on one piece.
+@dataclass(frozen=True)
+class _Part:
+    """A part of one piece, and what is known of the function on all of it.
+
+    Attributes:
+        low: lower end.
+        high: upper end.
+        sign: of the function, beyond the error; 0: not known.
+        slope: sign of its derivative, beyond the error; 0: not known.
+        piece: the interpolant.
+    """
+
+    low: float
+    high: float
+    sign: int
+    slope: int
+    piece: Fit
+
+
+def zeros(pieces: Sequence[Fit]) -> tuple[list[Zero], list[tuple[float, float]]]:
+    """Every zero of the interpolated function.
+
+    Args:
+        pieces: in order; where one does not end where the next begins, nothing is said about the gap.
 
     Returns:
         Its simple zeros in order, and the parts on which neither absence nor uniqueness of a zero could be shown.
     """
+    found: list[Zero] = []
+    undecided: list[tuple[float, float]] = []
+    parts = [part for piece in pieces for part in _parts(piece)]
+    i = 0
+    while i < len(parts):
+        first = parts[i]
+        end = i + 1
+        if first.sign == 0 and first.slope != 0:
+            while end < len(parts) and _continues(parts[end - 1], parts[end]):
+                end += 1
+            run = parts[i:end]
+            before, after = _sign_before(parts, i), _sign_after(parts, end - 1)
+            if before == -first.slope and after == first.slope:
+                found.append(_zero(run))
+            elif before != first.slope and after != -first.slope:  # else it is monotone away from zero
+                undecided.append((run[0].low, run[-1].high))
+        elif first.sign == 0:
+            undecided.append((first.low, first.high))
+        i = end
+    return found, _join(undecided)
+
+
+def _parts(piece: Fit) -> list[_Part]:
+    """A piece divided until on every part the function or its derivative is known to keep its sign."""
     p = piece.polynomial
     first, second = p.deriv(1), p.deriv(2)
-    low, high = piece.interval
     steep, curved = float(np.sum(np.abs(first.coef))), float(np.sum(np.abs(second.coef)))
-    found: list[tuple[float, float]] = []
-    undecided: list[tuple[float, float]] = []
-    parts = np.array([[low, high]])
+    done: list[_Part] = []
+    open_parts = np.array([piece.interval])
     for depth in range(BISECTIONS):
-        middle, half = parts.mean(axis=1), 0.5 * (parts[:, 1] - parts[:, 0])
-        without = np.abs(p(middle)) - steep * half > piece.error
-        monotone = ~without & (np.abs(first(middle)) - curved * half > piece.slope_error)
-        found += [(float(a), float(b)) for a, b in parts[monotone]]
-        left = parts[~without & ~monotone]
-        if not len(left):
-            break
-        if depth == BISECTIONS - 1 or len(left) > 4096:
-            undecided += [(float(a), float(b)) for a, b in left]
+        middle, half = open_parts.mean(axis=1), 0.5 * (open_parts[:, 1] - open_parts[:, 0])
+        values, slopes = p(middle), first(middle)
+        away = np.abs(values) - steep * half > piece.error
+        monotone = np.abs(slopes) - curved * half > piece.slope_error
+        last = depth == BISECTIONS - 1 or np.count_nonzero(~away & ~monotone) > MOST_PARTS
+        for k in np.flatnonzero(away | monotone | last):
+            sign = int(np.sign(values[k])) if away[k] else 0
+            slope = int(np.sign(slopes[k])) if monotone[k] else 0
+            done.append(_Part(float(open_parts[k, 0]), float(open_parts[k, 1]), sign, slope, piece))
+        left = open_parts[~away & ~monotone]
+        if last or not len(left):
             break
         cut = left.mean(axis=1)
-        parts = np.concatenate([np.stack([left[:, 0], cut], 1), np.stack([cut, left[:, 1]], 1)])
-    result = []
-    for a, b in _join(found):
-        if p(a) * p(b) > 0.0 and min(abs(p(a)), abs(p(b))) > piece.error:
-            continue  # monotone, and of one sign
-        reach = 2.0 * piece.error
-        a_out, b_out = _outside(p, a, b, low, high, reach)
-        if p(a_out) * p(b_out) < 0.0:
-            place = float(brentq(p, a_out, b_out, xtol=1e-16, rtol=8.9e-16))
-            slope = float(first(place))
-            width = piece.error / max(abs(slope) - piece.slope_error, 1e-300)
-            result.append(Zero(place, (max(low, place - width), min(high, place + width)), slope))
-        else:
-            undecided.append((a, b))  # at the very end of the piece
-    return _distinct(sorted(result, key=lambda zero: zero.place)), _join(undecided)
+        open_parts = np.concatenate([np.stack([left[:, 0], cut], 1), np.stack([cut, left[:, 1]], 1)])
+    return sorted(done, key=lambda part: part.low)
 
 
-def _outside(p: Chebyshev, a: float, b: float, low: float, high: float, reach: float) -> tuple[float, float]:
-    """Widen a monotone part until both ends exceed the error, or the piece ends."""
-    width = b - a
-    for _ in range(60):
-        if abs(p(a)) <= reach and a > low:
-            a = max(low, a - width)
-        elif abs(p(b)) <= reach and b < high:
-            b = min(high, b + width)
-        else:
-            break
-    return a, b
+def _continues(part: _Part, following: _Part) -> bool:
+    """Is the function monotone, in one sense, through both parts, and a zero possible in the second as well?"""
+    return _touch(part, following) and following.sign == 0 and following.slope == part.slope
+
+
+def _touch(part: _Part, following: _Part) -> bool:
+    return following.low <= part.high + 1e-15 * max(1.0, abs(part.high))
+
+
+def _sign_before(parts: list[_Part], i: int) -> int:
+    """Sign of the function at the lower end of part i; 0 where it is within the error."""
+    if i > 0 and _touch(parts[i - 1], parts[i]) and parts[i - 1].sign:
+        return parts[i - 1].sign
+    return _sign_at(parts[i].piece, parts[i].low)
+
+
+def _sign_after(parts: list[_Part], i: int) -> int:
+    """Sign of the function at the upper end of part i; 0 where it is within the error."""
+    if i + 1 < len(parts) and _touch(parts[i], parts[i + 1]) and parts[i + 1].sign:
+        return parts[i + 1].sign
+    return _sign_at(parts[i].piece, parts[i].high)
+
+
+def _sign_at(piece: Fit, place: float) -> int:
+    value = float(piece.polynomial(place))
+    return int(np.sign(value)) if abs(value) > piece.error else 0
+
+
+def _zero(run: list[_Part]) -> Zero:
+    """The zero of a function that is monotone through neighbouring parts and changes its sign on them."""
+    slope = run[0].slope
+    low, high = run[0].low, run[-1].high
+    # the last part that begins before the zero holds it, or the zero is where it ends and the next piece begins
+    holds = max(
+        (part for part in run if slope * part.piece.polynomial(part.low) <= 0.0),
+        key=lambda part: part.low,
+        default=run[0],
+    )
+    p = holds.piece.polynomial
+    if p(holds.low) * p(holds.high) < 0.0:
+        place = float(brentq(p, holds.low, holds.high, xtol=1e-16, rtol=8.9e-16))
+    else:
+        place = min((holds.low, holds.high), key=lambda end: abs(float(p(end))))
+    # the enclosure grows until the sign at its ends is known; that at the ends of the run is
+    steepness = max(abs(float(p.deriv()(place))) - holds.piece.slope_error, 1e-300)
+    width = max(max(part.piece.error for part in run) / steepness, np.spacing(abs(place)))
+    while (high - low) > width and not (
+        _known_by(run, place - width, -slope, low) and _known_by(run, place + width, slope, high)
+    ):
+        width *= 2.0
+    return Zero(place, (max(low, place - width), min(high, place + width)), float(p.deriv()(place)))
+
+
+def _known_by(run: list[_Part], place: float, sign: int, end: float) -> bool:
+    """Is the function known to have a sign at a place, or does the run end before it?"""
+    if (place >= end) if sign == run[0].slope else (place <= end):
+        return True
+    part = next(part for part in run if part.low <= place <= part.high)
+    return _sign_at(part.piece, place) == sign
 
 
 def _join(parts: list[tuple[float, float]]) -> list[tuple[float, float]]:
@@ -213,11 +299,3 @@ def _join(parts: list[tuple[float, float]]) -> list[tuple[float, float]]:
         else:
             joined.append((a, b))
     return joined
-
-
-def _distinct(found: list[Zero]) -> list[Zero]:
-    kept: list[Zero] = []
-    for zero in found:
-        if not kept or zero.enclosure[0] > kept[-1].enclosure[1]:
-            kept.append(zero)
-    return kept

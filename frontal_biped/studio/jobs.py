@@ -19,12 +19,14 @@ from frontal_biped.analysis.push_recovery import (
     time_in_step,
 )
 from frontal_biped.design.optimise import design_gait
-from frontal_biped.gait.check import ConstraintReport, check_constraints
+from frontal_biped.gait.check import ConstraintReport
 from frontal_biped.gait.file import load_gait
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.specification import GaitSpecification
+from frontal_biped.gait.verdict import judge
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import load_robot, models_dir
+from frontal_biped.numerics.verdict import Verdict
 from frontal_biped.simulation.orbit import orbit_trajectory
 from frontal_biped.simulation.pushes import Push
 from frontal_biped.studio.curves import gait_curves
@@ -87,13 +89,13 @@ class Certified:
 
     Attributes:
         certified: periodic, stable, invariant, reversing where planned, within every constraint?
-        objections: what stands against it.
+        text: the verdict in one line, with what stands against it.
         residual: the largest.
         rows: (what, verdict) on the reversal point.
     """
 
     certified: bool
-    objections: tuple[str, ...]
+    text: str
     residual: float
     rows: tuple[tuple[str, str], ...]
 
@@ -185,7 +187,7 @@ def certify(tell: Tell, name: str, gait: Gait) -> Certified:
     analysis = analyze(robot(name), gait)
     found = analysis.certificate
     rows = () if found is None else tuple((title.strip(), text) for title, text in found.rows())
-    return Certified(analysis.certified, analysis.objections, max(analysis.residuals.values()), rows)
+    return Certified(analysis.certified, analysis.certificate_text, max(analysis.residuals.values()), rows)
 
 
 def page(tell: Tell, name: str, gait: Gait) -> str:
@@ -210,8 +212,8 @@ def opening(tell: Tell, name: str, specification: GaitSpecification) -> Designed
     if gait is None or gait.specification != specification:
         return design(tell, name, specification, gait)
     biped = robot(name)
-    report = check_constraints(biped, specification, gait.rising, gait.falling, gait.step(biped))
-    if not report.satisfied:
+    judged = judge(biped, gait)
+    if judged.verdict is not Verdict.CERTIFIED:
         return design(tell, name, specification, gait)
     message = f"J = {gait.orbit.cost:.4f} N^2 m s: the gait that comes with the robot"
-    return Designed(gait, report, message, 0.0, *shown_gait(biped, gait))
+    return Designed(gait, judged.constraints, message, 0.0, *shown_gait(biped, gait))

@@ -69,7 +69,7 @@ def _certificate(state: State) -> str:
     found = state.certificate
     if found is None:
         return f'<div style="color:{_PLAIN}">certificate: {html.escape(state.busy or "waiting")} …</div>'
-    verdict = "certified in closed form" if found.certified else "NOT certified: " + "; ".join(found.objections)
+    verdict = "certified in closed form" if found.certified else f"certified: {found.text}"
     colour = _GOOD if found.certified else _BAD
     lines = [f'<div style="color:{colour}"><b>{html.escape(verdict)}</b>, largest residual {found.residual:.0e}</div>']
     for title, text in found.rows:

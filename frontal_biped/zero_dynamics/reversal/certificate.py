@@ -36,14 +36,13 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.exceptions import ReversalError
-from frontal_biped.numerics.chebyshev import Fit, fit
-from frontal_biped.zero_dynamics.poincare import step_orbit
+from frontal_biped.files.json_values import for_json
+from frontal_biped.numerics.chebyshev import Fit, Zero, fit
+from frontal_biped.numerics.verdict import Verdict, below
 from frontal_biped.zero_dynamics.restricted import restrict
-from frontal_biped.zero_dynamics.reversal.problem import EnergyBalance, ReversalProblem, energy_balance
-from frontal_biped.zero_dynamics.reversal.zeros import REGULAR, BalanceFunction, Verdict, ZeroCount, count_zeros
-
-AT_THE_PLAN = 1e-8
-"""[rad] distance from the planned reversal at which a zero is that of the gait."""
+from frontal_biped.zero_dynamics.reversal.planned import AT_THE_PLAN, ReversalAnalysis, analyse_reversal
+from frontal_biped.zero_dynamics.reversal.problem import BalanceFunction, EnergyBalance, ReversalProblem
+from frontal_biped.zero_dynamics.reversal.zeros import REGULAR, ZeroCount, count_zeros
 
 
 @dataclass(frozen=True)
@@ -98,15 +97,14 @@ class ReversalCertificate:
 
     @property
     def planned_is_a_zero(self) -> bool:
-        """Does an enclosed zero of S lie at the planned reversal?"""
-        return any(abs(zero.place - self.planned) <= AT_THE_PLAN for zero in self.self_consistent.zeros)
+        """Does an enclosed zero of S lie at the planned reversal, as far as its enclosure tells?"""
+        enclosures = (zero.enclosure for zero in self.self_consistent.zeros)
+        return any(low - AT_THE_PLAN <= self.planned <= high + AT_THE_PLAN for low, high in enclosures)
 
     @property
     def successive_approximation_converges(self) -> Verdict:
         """Locally, from |Phi'| < 1."""
-        if not np.isfinite(self.contraction) or abs(abs(self.contraction) - 1.0) <= self.contraction_error:
-            return Verdict.UNDECIDED
-        return Verdict.CERTIFIED if abs(self.contraction) < 1.0 else Verdict.REFUTED
+        return below(abs(self.contraction), 1.0, self.contraction_error)
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON; numbers that do not exist are null."""
@@ -117,7 +115,7 @@ class ReversalCertificate:
         for name in ("condition_a", "condition_b"):
             table[name]["verdict"] = getattr(self, name).verdict.value
         table["successive_approximation_converges"] = self.successive_approximation_converges.value
-        return {key: _for_json(value) for key, value in table.items()}
+        return dict(for_json(table))
 
     def rows(self) -> list[tuple[str, str]]:
         """(name, text) for a report."""
@@ -151,39 +149,31 @@ class ReversalCertificate:
         ]
 
 
-def _for_json(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _for_json(part) for key, part in value.items()}
-    if isinstance(value, list | tuple):
-        return [_for_json(part) for part in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value
-
-
-def certify_reversal(problem: ReversalProblem) -> ReversalCertificate:
+def certify_reversal(problem: ReversalProblem, reversal: ReversalAnalysis | None = None) -> ReversalCertificate:
     """Certify the reversal point of a parameter set.
 
     Args:
         problem: the parameters; the planned point should be a gait, or the contraction factor has no meaning.
+        reversal: the analysis of the same parameters, where it is at hand.
 
     Raises:
         ReversalError: the bracket does not exist, or no step exists at the planned reversal.
     """
-    rising, falling = problem.phases(problem.planned)
     own = problem.balance(problem.planned)
     if not np.isfinite(own.surplus):
         raise ReversalError(f"no step of the zero dynamics reverses at the planned {problem.planned:.6g} rad")
     floor = REGULAR * own.least_inertia
     low, high = problem.bracket
 
-    def fixed(beta: float, nodes: int) -> EnergyBalance:
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            step = step_orbit(problem.biped, rising, falling, problem.free.step_width, nodes, beta)
-            return energy_balance(step)
+    fixed = problem.at_fixed_parameters()
 
     def imposed(beta: float, nodes: int) -> EnergyBalance:
         return ReversalProblem(problem.biped, problem.free, nodes).balance(beta)
 
     fixed_count, _, fixed_points = count_zeros(fixed, low, high, problem, floor, connected=True)
+    found = analyse_reversal(problem) if reversal is None else reversal
+    if found.exists:  # by signs beside the plan: that is sharper than any interpolant
+        fixed_count = fixed_count.with_zero(Zero(found.beta, found.sign_change, fixed(found.beta, problem.nodes).slope))
     own_count, own_fits, _ = count_zeros(imposed, low, high, problem, floor)
     slope, slope_error = _slope(own_fits, problem.planned)
     contraction = 1.0 - slope / own.slope
@@ -245,11 +235,8 @@ def _below(function: Callable[[float], float], region: list[tuple[float, float]]
             error = max(error, slack)
             if float(values.max()) > largest:
                 largest, where = float(values.max()), float(grid[int(values.argmax())])
-    if largest - error > bound:
-        verdict = Verdict.REFUTED
-    elif complete and largest + error < bound:
-        verdict = Verdict.CERTIFIED
-    else:
+    verdict = below(largest, bound, error)
+    if verdict is Verdict.CERTIFIED and not complete:
         verdict = Verdict.UNDECIDED
     return Condition(verdict, largest, bound, error, where)
 

@@ -14,6 +14,7 @@ angle are made of it:
 - S(beta) = E(beta; b(beta)), invariance imposed at every beta: its zeros are the gaits.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -56,6 +57,9 @@ class EnergyBalance(NamedTuple):
 _NOT_DEFINED = float("nan")
 UNDEFINED = EnergyBalance(_NOT_DEFINED, -np.inf, *(5 * [_NOT_DEFINED]))
 """Outside the region where the zero dynamics is defined."""
+
+BalanceFunction = Callable[[float, int], EnergyBalance]
+"""E at a beta [rad], on a number of quadrature nodes a phase."""
 
 
 def energy_balance(step: StepOrbit) -> EnergyBalance:
@@ -130,6 +134,19 @@ class ReversalProblem:
             return UNDEFINED
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             return energy_balance(step)
+
+    def at_fixed_parameters(self) -> BalanceFunction:
+        """E(beta; b) with b that of the planned reversal, the paper's function."""
+        rising, falling = self.phases(self.planned)
+
+        def fixed(beta: float, nodes: int) -> EnergyBalance:
+            try:
+                with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # beyond a zero of I_P
+                    return energy_balance(step_orbit(self.biped, rising, falling, self.free.step_width, nodes, beta))
+            except ReversalError:
+                return UNDEFINED
+
+        return fixed
 
     def S(self, beta: float) -> float:
         """E with invariance imposed at beta, E(beta; b(beta)) [kg^2 m^4/s^2]; nan where not defined."""

@@ -1,14 +1,14 @@
 """Every zero of Z on the regular region of the bracket; what that region is: `reversal.certificate`."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from enum import Enum
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import brentq
 
 from frontal_biped.numerics.chebyshev import Fit, Zero, fit, zeros
-from frontal_biped.zero_dynamics.reversal.problem import EnergyBalance, ReversalProblem
+from frontal_biped.numerics.verdict import Verdict
+from frontal_biped.zero_dynamics.reversal.problem import BalanceFunction, EnergyBalance, ReversalProblem
 
 REGULAR = 0.02
 """Share of the smallest I_P of the gait's own step below which a step counts as outside the region."""
@@ -22,16 +22,11 @@ FIT_TOLERANCE = 1e-9
 ENERGY_SCALE = 1e-2
 """E is a difference of energies; errors below `FIT_TOLERANCE` times this share of them are rounding."""
 
+CLOSER_EVALUATIONS = 400
+"""Most evaluations that a second look at one undecided part may take."""
+
 REGION_POINTS = 96
 """Points at which the bracket is searched for the region; its edges are then found by bisection."""
-
-
-class Verdict(Enum):
-    """What was shown."""
-
-    CERTIFIED = "certified"
-    REFUTED = "refuted"
-    UNDECIDED = "undecided"
 
 
 @dataclass(frozen=True)
@@ -41,7 +36,8 @@ class ZeroCount:
     Attributes:
         region: intervals on which the function was interpolated [rad].
         zeros: simple zeros, each enclosed [rad].
-        undecided: parts on which neither absence nor uniqueness could be shown [rad].
+        undecided: parts on which neither absence nor uniqueness could be shown [rad]: near-double zeros, and a zero
+            within the error of an end of the region.
         error: largest bound on the interpolation error, quadrature included [kg^2 m^4/s^2].
         quadrature_error: its share from the quadrature, by doubling the nodes [kg^2 m^4/s^2].
         evaluations: of the function.
@@ -68,6 +64,14 @@ class ZeroCount:
             return Verdict.REFUTED
         return Verdict.UNDECIDED if self.undecided or not self.region else Verdict.CERTIFIED
 
+    def with_zero(self, zero: Zero) -> "ZeroCount":
+        """The count, told of a zero that was enclosed by other means: among those found, or else in an open part."""
+        if any(
+            near.enclosure[0] <= zero.enclosure[1] and zero.enclosure[0] <= near.enclosure[1] for near in self.zeros
+        ):
+            return self
+        return replace(self, zeros=tuple(sorted((*self.zeros, zero), key=lambda found: found.place)))
+
 
 def count_gaits(problem: ReversalProblem) -> ZeroCount:
     """All reversal points with invariance imposed, whether or not the planned one is among them.
@@ -82,9 +86,6 @@ def count_gaits(problem: ReversalProblem) -> ZeroCount:
 
     inertia = problem.balance(problem.planned).least_inertia
     return count_zeros(imposed, low, high, problem, REGULAR * max(inertia, 1.0))[0]
-
-
-BalanceFunction = Callable[[float, int], EnergyBalance]
 
 
 def count_zeros(
@@ -124,26 +125,46 @@ def count_zeros(
     fits: list[Fit] = []
     found: list[Zero] = []
     undecided: list[tuple[float, float]] = []
-    worst_quadrature = 0.0
-    for a, b in region:
-        pieces, failed = fit(lambda beta: balance(beta).surplus, a, b, FIT_TOLERANCE, scale)
-        undecided += failed
+    worst = 0.0
+
+    def look(a: float, b: float, **effort: int) -> tuple[list[Fit], list[tuple[float, float]]]:
+        nonlocal worst
+        pieces, failed = fit(lambda beta: balance(beta).surplus, a, b, FIT_TOLERANCE, scale, **effort)
+        usable = []
         for piece in pieces:
             c, d = piece.interval
             # more nodes at the ends and the middle of the piece: the quadrature's own error
             finer = [(function(x, 2 * problem.nodes), balance(x)) for x in (c, 0.5 * (c + d), d)]
-            quadrature = max(abs(fine.surplus - coarse.surplus) for fine, coarse in finer)
             if not min(fine.least_inertia for fine, _ in finer) >= 0.5 * floor:
-                undecided.append((c, d))  # the nodes jump over a zero of I_P
+                failed.append((c, d))  # the nodes jump over a zero of I_P
                 continue
-            worst_quadrature = max(worst_quadrature, quadrature)
-            fits.append(piece.widened(quadrature))
-            new, open_parts = zeros(fits[-1])
-            found += new
-            undecided += open_parts
+            quadrature = max(abs(fine.surplus - coarse.surplus) for fine, coarse in finer)
+            worst = max(worst, quadrature)
+            usable.append(piece.widened(quadrature))
+        return usable, failed
+
+    for a, b in region:
+        pieces, failed = look(a, b)
+        fits += pieces
+        undecided += failed
+        new, open_parts = zeros(pieces)
+        found += new
+        for c, d in open_parts:
+            # near a double zero E is small, and so is the error of an interpolant of that neighbourhood alone
+            closer, failed = look(
+                max(a, 1.5 * c - 0.5 * d), min(b, 1.5 * d - 0.5 * c), max_evaluations=CLOSER_EVALUATIONS
+            )
+            again, still_open = zeros(closer)
+            found += _others(again, found)
+            undecided += [*failed, *still_open]
     error = max((piece.error for piece in fits), default=float("nan"))
-    count = ZeroCount(tuple(region), tuple(found), tuple(undecided), error, worst_quadrature, len(points))
-    return count, fits, points
+    found.sort(key=lambda zero: zero.place)
+    return ZeroCount(tuple(region), tuple(found), tuple(undecided), error, worst, len(points)), fits, points
+
+
+def _others(zeros_: list[Zero], known: list[Zero]) -> list[Zero]:
+    """Those of some zeros that are not among the known ones."""
+    return [zero for zero in zeros_ if not any(near.enclosure[0] <= zero.place <= near.enclosure[1] for near in known)]
 
 
 def _regular_region(

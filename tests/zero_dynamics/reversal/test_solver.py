@@ -8,13 +8,14 @@ import pytest
 
 from frontal_biped.design import design_gait
 from frontal_biped.gait import GaitSpecification
+from frontal_biped.numerics.verdict import Verdict
 from frontal_biped.virtual_constraints.invariance import complete, free_parameters
 from frontal_biped.zero_dynamics.poincare import step_orbit
 from frontal_biped.zero_dynamics.restricted import restrict
 from frontal_biped.zero_dynamics.reversal.certificate import certify_reversal
 from frontal_biped.zero_dynamics.reversal.problem import ReversalProblem, energy_balance
 from frontal_biped.zero_dynamics.reversal.solver import solve_reversal, successive_approximation
-from frontal_biped.zero_dynamics.reversal.zeros import Verdict, count_gaits
+from frontal_biped.zero_dynamics.reversal.zeros import count_gaits
 
 NODES = 24
 PLACE = 1e-11  # [rad] the planned reversal is a zero to rounding
