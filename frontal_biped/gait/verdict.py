@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from frontal_biped.gait.check import ConstraintReport, check_constraints
-from frontal_biped.gait.gait import Gait, converged_quadrature
+from frontal_biped.gait.gait import QUADRATURE_ACCURACY, Gait, converged_quadrature
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.numerics.verdict import Verdict, below, together
@@ -112,7 +112,7 @@ def _residuals(residuals: dict[str, float]) -> Iterator[Objection]:
 
 
 def _orbit(hzd: HybridZeroDynamics, error: float) -> Iterator[Objection]:
-    slope = hzd.multiplier
+    slope, error = hzd.multiplier, max(error, QUADRATURE_ACCURACY)
     stable = below(slope, 1.0, slope * error)
     if stable is Verdict.REFUTED:
         yield Objection(stable, f"the multiplier {slope:.6g} is not below 1: the gait is not stable")

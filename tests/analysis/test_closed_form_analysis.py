@@ -6,9 +6,10 @@ import json
 import numpy as np
 import pytest
 
-from frontal_biped.analysis.closed_form import RESIDUAL_BOUND, analyze
+from frontal_biped.analysis.closed_form import analyze
 from frontal_biped.gait import GaitSpecification
 from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.verdict import RESIDUAL_BOUND
 from frontal_biped.virtual_constraints import Phase
 
 

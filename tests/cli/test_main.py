@@ -108,6 +108,11 @@ class TestGoodInput:
         assert main(["analyze", str(gait)]) == 0
         out = capsys.readouterr().out
         assert "certificate                yes" in out
+        assert [line.split()[0] for line in out.splitlines()] == ["certificate", "tightest", "motors"]
+        assert main(["analyze", str(gait), "-v"]) == 0
+        tables = capsys.readouterr().out
+        assert tables.startswith(out.rstrip())
+        assert all(f"C0{i}" in tables for i in range(1, 10))
         assert main(["simulate", str(gait), "--steps", "2", "--json"]) == 0
         assert json.loads(capsys.readouterr().out)["steps_completed"] == 2
 
