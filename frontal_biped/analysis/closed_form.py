@@ -121,7 +121,7 @@ class GaitAnalysis:
         return dict(for_json(head | table))
 
     def __str__(self) -> str:
-        r = self.reversal
+        r, (a, b) = self.reversal, self.reversal.sign_change
         rows = [
             ("J", f"{self.cost:.4f} N^2 m s"),
             ("step duration", f"{self.step_duration:.4f} s"),
@@ -133,10 +133,7 @@ class GaitAnalysis:
                 f"{self.multiplier:.6f} (stable)" if 0.0 < self.multiplier < 1.0 else f"{self.multiplier:.6f}",
             ),
             ("reversal", f"{r.beta:.9f} rad, planned {r.planned:.9f}, in ]{r.bracket[0]:.4f}, {r.bracket[1]:.4f}["),
-            (
-                "existence",
-                f"{r.existence.value}: Z changes sign between {r.sign_change[0]:.9f} and {r.sign_change[1]:.9f}",
-            ),
+            ("existence", r.existence.value + (f", Z changes sign from {a:.9f} to {b:.9f} rad" if r.exists else "")),
             ("HIP1, HIP2", f"zeta {r.zeta_residual:.1e} (relative), ddbeta {r.acceleration:.4f} rad/s^2"),
             *(self.certificate.rows() if self.certificate is not None else ()),
             ("quadrature", f"{self.nodes} nodes a phase, measured error {self.quadrature_error:.1e}"),

@@ -1,1 +1,1 @@
-"""The reversal point beta_r-: bracket, scalar problem, solver, all zeros, certificate."""
+"""The reversal point beta_r-: bracket, scalar problem, solver, the planned point, all zeros, certificate."""

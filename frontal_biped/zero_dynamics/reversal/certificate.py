@@ -9,7 +9,8 @@ zero of I_P: the region is the interval around the planned reversal. With invari
 a curve of its own, and the region may be several intervals. The certificate names it; all its verdicts are about it.
 
 **Counting.** All zeros of E(beta; b) and of S(beta) = E(beta; b(beta)) (see `reversal.problem`) come from piecewise
-Chebyshev interpolation with a measured bound (see `chebyshev`), widened by the measured error of the quadrature.
+Chebyshev interpolation with a measured bound (see `chebyshev`), widened by the measured error of the quadrature. The
+zero at the planned reversal is known better than that, from signs beside it (`reversal.planned`), and is one of them.
 
 **Condition (a).** *At fixed b, if kappa_2/kappa_1 < 0 on an interval above beta_r+, a step of given post-impact energy
 reverses at most once on it.* Proof. dzeta/dbeta = drive + rate zeta with drive = kappa_2/kappa_1 and
@@ -111,10 +112,8 @@ class ReversalCertificate:
         table = asdict(self)
         for name in ("fixed", "self_consistent"):
             count: ZeroCount = getattr(self, name)
-            table[name] |= {"existence": count.existence.value, "uniqueness": count.uniqueness.value}
-        for name in ("condition_a", "condition_b"):
-            table[name]["verdict"] = getattr(self, name).verdict.value
-        table["successive_approximation_converges"] = self.successive_approximation_converges.value
+            table[name] |= {"existence": count.existence, "uniqueness": count.uniqueness}
+        table["successive_approximation_converges"] = self.successive_approximation_converges
         return dict(for_json(table))
 
     def rows(self) -> list[tuple[str, str]]:
