@@ -13,6 +13,7 @@ from frontal_biped.gait import default_specification
 from frontal_biped.gait.file import load_gait
 from frontal_biped.model import FrontalBiped, Robot, load_robot, load_whole_robot, models_dir
 from frontal_biped.model.urdf.reduction import reduce_to_frontal_plane
+from frontal_biped.numerics.verdict import Verdict
 from frontal_biped.simulation.walking import simulate
 from frontal_biped.zero_dynamics.restricted import TORQUES
 
@@ -63,6 +64,14 @@ def test_it_is_certified_and_satisfies_c01_to_c09(analysis):
     assert analysis.certified
     assert analysis.constraints.satisfied, str(analysis.constraints)
     assert {check.code for check in analysis.constraints.checks} >= {f"C0{i}" for i in range(1, 10)}
+
+
+def test_certificate_and_verdict_do_not_contradict_each_other(analysis):
+    certificate = analysis.certificate
+    assert certificate is not None
+    assert certificate.fixed.existence is analysis.reversal.existence is Verdict.CERTIFIED
+    assert certificate.self_consistent.existence is not Verdict.REFUTED
+    assert certificate.planned_is_a_zero
 
 
 @pytest.mark.parametrize("name", HUMANOIDS)
