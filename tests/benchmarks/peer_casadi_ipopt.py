@@ -7,7 +7,8 @@ written in closed form from the numbers of `FrontalChain`, the zero dynamics by 
 Chebyshev nodes, and hybrid invariance, final pose, continuity of the FRI and periodicity are the 17 equality
 constraints of 47 variables. IPOPT gets exact gradients, Jacobians and Hessians by algorithmic differentiation. Only
 the start (the package's default) and the check of the answer (the package's dense grid) are shared. The robot's joint
-limits, which the package imposes besides C01 to C09, are left out; they do not bind on the Table I robot.
+limits, which the package imposes besides C01 to C09, are left out unless asked for; they do not bind on the Table I
+robot.
 """
 
 import argparse
@@ -22,16 +23,22 @@ import numpy as np
 import frontal_biped as fb
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.problem import DesignProblem
-from frontal_biped.gait.check import check_constraints
+from frontal_biped.gait.check import ConstraintCheck, check_constraints
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import GRAVITY, UPRIGHT, FrontalChain
 from frontal_biped.virtual_constraints import complete
 from frontal_biped.virtual_constraints.invariance import FreeParameters, invariance_residuals
 from frontal_biped.virtual_constraints.phase import Phase
-from frontal_biped.zero_dynamics.poincare import step_orbit
+from frontal_biped.zero_dynamics.poincare import StepOrbit, step_orbit
 
 NODES = 21
 CHECK_NODES = 40
+ON_THE_GRID = 1e-6
+"""Scaled violation on the dense grid at which `Peer.solve_on_grid` counts a bound as kept."""
+
+ROUNDS = 6
+"""Solutions of `Peer.solve_on_grid`, each with bounds moved inwards by what the dense grid found."""
+
 Column = Any  # a CasADi column: one entry a node
 Vector = tuple[Column, Column]  # (h, v)
 
@@ -289,6 +296,7 @@ class Peer:
         verbose: let IPOPT print its iterations.
         barrier: IPOPT's mu_strategy; "monotone" is its default.
         size: nodes a phase.
+        joint_limits: impose the robot's limits of joint positions and speeds as well.
     """
 
     def __init__(
@@ -298,18 +306,21 @@ class Peer:
         verbose: bool = False,
         barrier: str = "adaptive",
         size: int = NODES,
+        joint_limits: bool = False,
     ) -> None:
-        self.biped, self.specification = biped, specification
+        self.biped, self.specification, self.joint_limits = biped, specification, joint_limits
         began = time.perf_counter()
         M, F = max(specification.degrees), specification.fri_degree
         self.sizes = (3, 3 * (M + 1), 3 * (M + 1), F + 1, F + 1)
         self._rows: list[Column] = []
         self._low: list[FloatArray] = []
         self._high: list[FloatArray] = []
+        self._names: list[tuple[str, float, int]] = []
         x = ca.SX.sym("x", sum(self.sizes))
         objective = self._formulate(x, size)
         rows = ca.vertcat(*self._rows)
         self.low, self.high = np.concatenate(self._low), np.concatenate(self._high)
+        self._inwards = np.zeros_like(self.low)
         self.equalities = int(np.sum(self.low == self.high))
         self.formulation_seconds = time.perf_counter() - began
         # of five settings tried (monotone barrier, two smaller first barriers, no scaling) the fastest on both
@@ -321,8 +332,10 @@ class Peer:
         self.solver = ca.nlpsol("peer", "ipopt", {"x": x, "f": objective, "g": rows}, options)
         self.building_seconds = time.perf_counter() - began
 
-    def _add(self, rows: Column, low: float, high: float) -> None:
+    def _add(self, rows: Column, low: float, high: float, name: str = "", unit: float = 1.0) -> None:
+        """Rows between bounds; ``name`` of the package's constraint that they are, ``unit`` of it that a 1 is."""
         count = rows.numel()
+        self._names.append((name, unit, count))
         self._rows.append(rows)
         self._low.append(np.full(count, low))
         self._high.append(np.full(count, high))
@@ -355,41 +368,59 @@ class Peer:
         add(up.dbeta[end] ** 2 - (ratio * before) ** 2, 0.0, 0.0)
 
         # C01, C02, C03
+        named = (("rising", up), ("falling", down))
         jump = ratio * up.I_P[end] / down.I_P[end]
-        add(ca.exp(down.exponent[end] - up.exponent[end]) * jump**2, 0.0, spec.max_multiplier or 1.0)
+        multiplier = ca.exp(down.exponent[end] - up.exponent[end]) * jump**2
+        add(multiplier, 0.0, spec.max_multiplier or 1.0, "multiplier delta_f^2 delta_r^2 delta_z^2")
         add(up.kappa_2[0], -inf, 0.0)
-        for phase in (up, down):
-            add(phase.Delta, spec.min_phase_range, inf)
+        for label, phase in named:
+            add(phase.Delta, spec.min_phase_range, inf, f"range of beta, {label}")
             add(phase.z, 1e-2, inf)
             add(phase.I_P, 0.0, inf)
         # C04, C05
         tau, _, _ = chebyshev_quadrature(size)
         left = ca.DM(1.0 - tau[:-1] ** 2)
-        add(ca.vertcat(*[sole[1][1][end] * before for sole in down.motion.sole]), -inf, -spec.touchdown_speed)
-        for phase in (up, down):
+        descent = ca.vertcat(*[sole[1][1][end] * before for sole in down.motion.sole])
+        add(descent, -inf, -spec.touchdown_speed, "touchdown speed of both sole ends")
+        for label, phase in named:
+            name = f"sole height / (1 - t2), {label}"
             for height, climb, _ in phase.motion.sole:
-                add(height[1][:-1] / left, spec.swing_clearance, inf)
-                add(climb[1][end] * phase.Delta, spec.swing_clearance, inf)  # the limit of the same at tau = 1
+                add(height[1][:-1] / left, spec.swing_clearance, inf, name)
+                add(climb[1][end] * phase.Delta, spec.swing_clearance, inf, name)  # the limit of the same at tau = 1
         # C06
         outer, inner = self.biped.sole
         torque = spec.max_torque or tuple(self.biped.max_torque)
-        for phase in (up, down):
+        for label, phase in named:
             F_h, F_v, _, *u = phase.forces
-            add(F_v / self.biped.weight, spec.min_normal_force, inf)
-            add(F_h / F_v, -spec.friction, spec.friction)
-            add(phase.p_fri, outer + spec.fri_margin, inner - spec.fri_margin)
-            for limit, values in zip(torque, u, strict=True):
-                add(values / limit, -1.0, 1.0)
+            add(F_v / self.biped.weight, spec.min_normal_force, inf, f"F_v / m g, {label}")
+            add(F_h / F_v, -spec.friction, spec.friction, f"F_h / F_v, {label}")
+            add(phase.p_fri, outer + spec.fri_margin, inner - spec.fri_margin, f"FRI in the sole, {label}")
+            for i, (limit, values) in enumerate(zip(torque, u, strict=True)):
+                add(values / limit, -1.0, 1.0, f"torque u_{i + 1}, {label}", limit)
             if spec.max_pelvis_roll is not None:
-                add(phase.motion.rotation[2][0], -spec.max_pelvis_roll, spec.max_pelvis_roll)
+                roll = spec.max_pelvis_roll
+                add(phase.motion.rotation[2][0], -roll, roll, f"pelvis roll, {label}")
+            if spec.max_foot_rotation is not None:
+                turn = spec.max_foot_rotation
+                add(phase.motion.rotation[4][0], -turn, turn, f"swing foot, {label}")
+            if self.joint_limits:
+                self._add_joint_limits(phase, label)
         # C07, C08, C09
         add(landing.impulse[1] * before, 0.0, inf)
-        add(landing.impulse[0] / landing.impulse[1], -spec.friction, spec.friction)
-        add(landing.moment / landing.impulse[1], -inner, -outer)
-        add(landing.lift_off * before, 0.0, inf)
-        add(up.duration + down.duration, *spec.step_duration)
+        add(landing.impulse[0] / landing.impulse[1], -spec.friction, spec.friction, "L_h / L_v")
+        add(landing.moment / landing.impulse[1], -inner, -outer, "impulse in the sole")
+        add(landing.lift_off * before, 0.0, inf, "lift-off speed of the old stance sole")
+        add(up.duration + down.duration, *spec.step_duration, "step duration")
         add(width, *spec.step_width)
         return (up.squared_torque + down.squared_torque) / width
+
+    def _add_joint_limits(self, phase: SymbolicPhase, label: str) -> None:
+        limits = zip(self.biped.joint_lower, self.biped.joint_upper, self.biped.joint_max_velocity, strict=True)
+        for i, (lower, upper, fastest) in enumerate(limits):
+            self._add(phase.q[i], float(lower), float(upper), f"q_{i + 1}, {label}")
+            if np.isfinite(fastest):
+                speed = phase.dq[i] * phase.dbeta
+                self._add(speed, -float(fastest), float(fastest), f"|dq_{i + 1}/dt|, {label}")
 
     # ------------------------------------------------------------------ variables
     def variables(self, free: FreeParameters) -> FloatArray:
@@ -416,7 +447,7 @@ class Peer:
         """Run IPOPT from x (47,), by default from the package's default start."""
         start = self.default_start() if x is None else x
         began = time.perf_counter()
-        answer = self.solver(x0=start, lbg=self.low, ubg=self.high)
+        answer = self.solver(x0=start, lbg=self.low + self._inwards, ubg=self.high - self._inwards)
         seconds = time.perf_counter() - began
         stats = self.solver.stats()
         calls = tuple(int(stats.get(f"n_call_nlp_{name}", 0)) for name in ("f", "grad_f", "hess_l"))
@@ -430,13 +461,46 @@ class Peer:
             seconds,
         )
 
-    def package_view(self, x: FloatArray) -> dict[str, float]:
-        """The answer seen by the package: J, largest scaled violation on the dense grid, worst invariance residual."""
+    def solve_on_grid(self) -> PeerResult | None:
+        """`solve`, then again with bounds moved inwards until the package's dense grid finds them kept.
+
+        Returns:
+            The answer whose largest scaled violation on the dense grid is at most `ON_THE_GRID`; None if there is none.
+        """
+        self._inwards[:] = 0.0
+        result = self.solve()
+        for _ in range(ROUNDS):
+            if not result.success:
+                return None
+            missed = [check for check in self._checks(result.x)[1] if -check.margin > ON_THE_GRID * check.scale]
+            if not missed:
+                return result
+            self._move_inwards({check.name: -check.margin for check in missed})
+            result = self.solve(result.x)
+        return None
+
+    def _move_inwards(self, missed: dict[str, float]) -> None:
+        """Tighten rows by what their constraints were missed by, in the constraints' units."""
+        row = 0
+        for name, unit, count in self._names:
+            self._inwards[row : row + count] += 1.2 * missed.get(name, 0.0) / unit
+            row += count
+
+    def _checks(self, x: FloatArray) -> tuple[StepOrbit, list[ConstraintCheck]]:
+        """The step on the package's quadrature, and its dense checks but for the soles on the ground.
+
+        Whether both soles lie flat to 1e-9 m is the solver's tolerance, and among the residuals.
+        """
         rising, falling = self.phases(x)
         step = step_orbit(self.biped, rising, falling, float(x[2]), CHECK_NODES)
         report = check_constraints(self.biped, self.specification, rising, falling, step)
-        # whether both soles lie flat to 1e-9 m is the solver's tolerance, and among the residuals
-        worst = min(check.margin / check.scale for check in report.checks if "on the ground" not in check.name)
+        return step, [check for check in report.checks if "on the ground" not in check.name]
+
+    def package_view(self, x: FloatArray) -> dict[str, float]:
+        """The answer seen by the package: J, largest scaled violation on the dense grid, worst invariance residual."""
+        rising, falling = self.phases(x)
+        step, checks = self._checks(x)
+        worst = min(check.margin / check.scale for check in checks)
         return {
             "cost": step.cost,
             "violation": max(0.0, -worst),
