@@ -15,7 +15,7 @@ import argparse
 import time
 from dataclasses import dataclass
 from math import comb
-from typing import Any
+from typing import Any, ClassVar, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -81,6 +81,40 @@ def bezier(coefficients: Column, s: FloatArray) -> tuple[Column, Column, Column]
 
 
 # ---------------------------------------------------------------------- planar chain
+class SymbolicBody(NamedTuple):
+    """`Body` of a chain, of symbols."""
+
+    mass: Column
+    com: Column
+    inertia: Column
+
+
+class SymbolicChain(NamedTuple):
+    """What is used of a `FrontalChain`, of symbols: one graph then serves every robot."""
+
+    bodies: list[SymbolicBody]
+    joints: list[Column]
+    armature: Column
+    max_torque: Column
+    ankle_height: Column
+    sole_inner: Column
+    sole_outer: Column
+
+    @classmethod
+    def of(cls, numbers: Column) -> "SymbolicChain":
+        """A chain of the symbols that `chain_numbers` puts in a row."""
+        bodies, joints, armature, torque, rest = ca.vertsplit(numbers, [0, 20, 28, 32, 36, 39])
+        parts = [ca.vertsplit(body, [0, 1, 3, 4]) for body in ca.vertsplit(bodies, 4)]
+        return cls([SymbolicBody(*part) for part in parts], ca.vertsplit(joints, 2), armature, torque, *ca.vertsplit(rest))
+
+
+def chain_numbers(chain: FrontalChain, torque: FloatArray) -> FloatArray:
+    """(39,) what a `SymbolicChain` stands for, with these torque limits (4,)."""
+    bodies = [[body.mass, *body.com, body.inertia] for body in chain.bodies]
+    rest = [chain.ankle_height, chain.sole_inner, chain.sole_outer]
+    return np.concatenate([np.ravel(bodies), np.ravel(chain.joints), chain.armature, torque, rest])
+
+
 @dataclass(frozen=True)
 class ChainMotion:
     """A curve q(beta) of the chain: points and their first two derivatives with respect to beta, one row a node."""
@@ -91,7 +125,7 @@ class ChainMotion:
     sole: list[tuple[Vector, Vector, Vector]]
 
 
-def chain_motion(chain: FrontalChain, q: list[Column], dq: list[Column], ddq: list[Column]) -> ChainMotion:
+def chain_motion(chain: FrontalChain | SymbolicChain, q: list[Column], dq: list[Column], ddq: list[Column]) -> ChainMotion:
     """Forward kinematics of stance foot, stance leg, pelvis, swing leg, swing foot (bodies 0 to 4)."""
     still = (0.0 * q[0], 0.0 * q[0])
     joints, centres, rotation = [], [(_constant(chain.bodies[0].com, q[0]), still, still)], [(still[0],) * 3]
@@ -105,19 +139,24 @@ def chain_motion(chain: FrontalChain, q: list[Column], dq: list[Column], ddq: li
         if i < 3:
             point = _carried(point, chain.joints[i + 1] - chain.joints[i], rotation[-1])
     ends = ((-chain.sole_inner, -chain.ankle_height), (chain.sole_outer, -chain.ankle_height))
-    return ChainMotion(joints, centres, rotation, [_carried(point, np.array(end), rotation[-1]) for end in ends])
+    return ChainMotion(joints, centres, rotation, [_carried(point, end, rotation[-1]) for end in ends])
 
 
-def _constant(point: FloatArray, like: Column) -> Vector:
-    return float(point[0]) + 0.0 * like, float(point[1]) + 0.0 * like
+def _number(value: Any) -> Any:
+    """A symbol as it is, a number without NumPy's ways of multiplying."""
+    return value if isinstance(value, ca.SX) else float(value)
+
+
+def _constant(point: Any, like: Column) -> Vector:
+    return _number(point[0]) + 0.0 * like, _number(point[1]) + 0.0 * like
 
 
 def _carried(
-    origin: tuple[Vector, Vector, Vector], offset: FloatArray, rotation: tuple[Column, Column, Column]
+    origin: tuple[Vector, Vector, Vector], offset: Any, rotation: tuple[Column, Column, Column]
 ) -> tuple[Vector, Vector, Vector]:
     """A point of a link at ``offset`` (upright) from a joint."""
     angle, rate, change = rotation
-    x, y = float(offset[0]), float(offset[1])
+    x, y = _number(offset[0]), _number(offset[1])
     h, v = ca.cos(angle) * x - ca.sin(angle) * y, ca.sin(angle) * x + ca.cos(angle) * y
     (p, dp, ddp) = origin
     return (
@@ -136,7 +175,7 @@ class Wrench:
     G: list[Column]
 
 
-def newton_euler(chain: FrontalChain, motion: ChainMotion, dq: list[Column], ddq: list[Column]) -> Wrench:
+def newton_euler(chain: FrontalChain | SymbolicChain, motion: ChainMotion, dq: list[Column], ddq: list[Column]) -> Wrench:
     """Inverse dynamics, from the swing foot inwards; the stance foot rests."""
     zero = 0.0 * dq[0]
     A, B, G = [zero] * 7, [zero] * 7, [zero] * 7
@@ -149,8 +188,8 @@ def newton_euler(chain: FrontalChain, motion: ChainMotion, dq: list[Column], ddq
             if b > 0:
                 rows[2 + b] = rows[2] - cross(motion.joints[b - 1][0], (rows[0], rows[1]))
     for j in range(4):
-        A[3 + j] = A[3 + j] + float(chain.armature[j]) * dq[j]
-        B[3 + j] = B[3 + j] + float(chain.armature[j]) * ddq[j]
+        A[3 + j] = A[3 + j] + _number(chain.armature[j]) * dq[j]
+        B[3 + j] = B[3 + j] + _number(chain.armature[j]) * ddq[j]
     return Wrench(A, B, G)
 
 
@@ -165,7 +204,7 @@ class SymbolicImpact:
     lift_off: Column
 
 
-def impact(chain: FrontalChain, motion: ChainMotion, dq: list[Column], at: int) -> SymbolicImpact:
+def impact(chain: FrontalChain | SymbolicChain, motion: ChainMotion, dq: list[Column], at: int) -> SymbolicImpact:
     """The swing foot lands and sticks.
 
     No impulse acts but on the landing foot, so the angular momentum about joint j of everything beyond it, seen from
@@ -181,7 +220,7 @@ def impact(chain: FrontalChain, motion: ChainMotion, dq: list[Column], at: int) 
     joints = [pick(joint[0]) for joint in motion.joints]
     D, h = ca.SX(4, 4), ca.SX(4, 1)
     for j in range(4):
-        h[j] = float(chain.armature[j]) * dq[j][at]
+        h[j] = _number(chain.armature[j]) * dq[j][at]
         for b in range(j + 1):
             body, lever = chain.bodies[b], minus(centres[b], joints[j])
             h[j] -= body.mass * cross(lever, before[b]) + body.inertia * turning[b]
@@ -190,7 +229,7 @@ def impact(chain: FrontalChain, motion: ChainMotion, dq: list[Column], at: int) 
                 body = chain.bodies[b]
                 one, other = minus(centres[b], joints[j]), minus(centres[b], joints[k])
                 D[j, k] += body.mass * (one[0] * other[0] + one[1] * other[1]) + body.inertia
-        D[j, j] += float(chain.armature[j])
+        D[j, j] += _number(chain.armature[j])
     rates = ca.solve(D, h)
     ankle = joints[3]
     foot = (ankle[0], ankle[1] - chain.ankle_height)
@@ -230,7 +269,7 @@ class SymbolicPhase:
 
 
 def zero_dynamics(
-    chain: FrontalChain, size: int, direction: int, start: Column, end: Column, joints: Column, fri: Column
+    chain: FrontalChain | SymbolicChain, size: int, direction: int, start: Column, end: Column, joints: Column, fri: Column
 ) -> SymbolicPhase:
     """zeta = tau^2 z from the reversal; ``joints`` (3, M + 1) and ``fri`` (M_FRI + 1,) are Bezier coefficients."""
     tau, weights, Q = chebyshev_quadrature(size)
@@ -297,7 +336,11 @@ class Peer:
         barrier: IPOPT's mu_strategy; "monotone" is its default.
         size: nodes a phase.
         joint_limits: impose the robot's limits of joint positions and speeds as well.
+        shared: take the graph of an earlier peer of the same degrees and nodes, in which the robot's numbers are
+            parameters; the first builds it.
     """
+
+    _shared: ClassVar[dict[tuple[int, ...], Any]] = {}
 
     def __init__(
         self,
@@ -307,8 +350,9 @@ class Peer:
         barrier: str = "adaptive",
         size: int = NODES,
         joint_limits: bool = False,
+        shared: bool = False,
     ) -> None:
-        self.biped, self.specification, self.joint_limits = biped, specification, joint_limits
+        self.biped, self.specification, self.joint_limits, self.shared = biped, specification, joint_limits, shared
         began = time.perf_counter()
         M, F = max(specification.degrees), specification.fri_degree
         self.sizes = (3, 3 * (M + 1), 3 * (M + 1), F + 1, F + 1)
@@ -316,20 +360,30 @@ class Peer:
         self._low: list[FloatArray] = []
         self._high: list[FloatArray] = []
         self._names: list[tuple[str, float, int]] = []
-        x = ca.SX.sym("x", sum(self.sizes))
-        objective = self._formulate(x, size)
-        rows = ca.vertcat(*self._rows)
+        self.numbers = chain_numbers(biped.chain, specification.torque_limits(biped))
+        kind = (M, F, size, joint_limits, barrier == "adaptive")
+        known = self._shared.get(kind) if shared else None
+        x = ca.SX.sym("x", sum(self.sizes)) if known is None else ca.DM(self.default_start())
+        symbols = ca.SX.sym("p", len(self.numbers))
+        chain = SymbolicChain.of(symbols) if shared and known is None else biped.chain
+        objective = self._formulate(x, chain, size)
         self.low, self.high = np.concatenate(self._low), np.concatenate(self._high)
         self._inwards = np.zeros_like(self.low)
         self.equalities = int(np.sum(self.low == self.high))
         self.formulation_seconds = time.perf_counter() - began
-        # of five settings tried (monotone barrier, two smaller first barriers, no scaling) the fastest on both
-        # public specifications: 31 and 23 iterations, the default 64 and 51
-        options: dict[str, Any] = {"print_time": False, "show_eval_warnings": False}
-        options |= {"ipopt.sb": "yes", "ipopt.mu_strategy": barrier, "ipopt.max_iter": 500}
-        if not verbose:
-            options["ipopt.print_level"] = 0
-        self.solver = ca.nlpsol("peer", "ipopt", {"x": x, "f": objective, "g": rows}, options)
+        if known is not None:
+            self.solver = known
+        else:
+            # of five settings tried (monotone barrier, two smaller first barriers, no scaling) the fastest on both
+            # public specifications: 31 and 23 iterations, the default 64 and 51
+            options: dict[str, Any] = {"print_time": False, "show_eval_warnings": False}
+            options |= {"ipopt.sb": "yes", "ipopt.mu_strategy": barrier, "ipopt.max_iter": 500}
+            if not verbose:
+                options["ipopt.print_level"] = 0
+            programme = {"x": x, "f": objective, "g": ca.vertcat(*self._rows)} | ({"p": symbols} if shared else {})
+            self.solver = ca.nlpsol("peer", "ipopt", programme, options)
+            if shared:
+                self._shared[kind] = self.solver
         self.building_seconds = time.perf_counter() - began
 
     def _add(self, rows: Column, low: float, high: float, name: str = "", unit: float = 1.0) -> None:
@@ -340,8 +394,8 @@ class Peer:
         self._low.append(np.full(count, low))
         self._high.append(np.full(count, high))
 
-    def _formulate(self, x: Column, size: int) -> Column:
-        chain, spec, add = self.biped.chain, self.specification, self._add
+    def _formulate(self, x: Column, chain: FrontalChain | SymbolicChain, size: int) -> Column:
+        spec, add = self.specification, self._add
         inf = float(np.inf)
         head, rising_flat, falling_flat, rising_fri, falling_fri = ca.vertsplit(x, [0, *np.cumsum(self.sizes).tolist()])
         beta_reversal, beta_impact, width = ca.vertsplit(head)
@@ -389,20 +443,23 @@ class Peer:
                 add(climb[1][end] * phase.Delta, spec.swing_clearance, inf, name)  # the limit of the same at tau = 1
         # C06
         outer, inner = self.biped.sole
-        torque = spec.max_torque or tuple(self.biped.max_torque)
+        torque, weight = spec.max_torque or tuple(self.biped.max_torque), self.biped.weight
+        if isinstance(chain, SymbolicChain):
+            torque = tuple(ca.vertsplit(chain.max_torque))
+            weight = GRAVITY * sum(body.mass for body in chain.bodies)
         for label, phase in named:
             F_h, F_v, _, *u = phase.forces
-            add(F_v / self.biped.weight, spec.min_normal_force, inf, f"F_v / m g, {label}")
+            add(F_v / weight, spec.min_normal_force, inf, f"F_v / m g, {label}")
             add(F_h / F_v, -spec.friction, spec.friction, f"F_h / F_v, {label}")
             add(phase.p_fri, outer + spec.fri_margin, inner - spec.fri_margin, f"FRI in the sole, {label}")
+            limits = spec.torque_limits(self.biped).tolist()
             for i, (limit, values) in enumerate(zip(torque, u, strict=True)):
-                add(values / limit, -1.0, 1.0, f"torque u_{i + 1}, {label}", limit)
-            if spec.max_pelvis_roll is not None:
-                roll = spec.max_pelvis_roll
-                add(phase.motion.rotation[2][0], -roll, roll, f"pelvis roll, {label}")
-            if spec.max_foot_rotation is not None:
-                turn = spec.max_foot_rotation
-                add(phase.motion.rotation[4][0], -turn, turn, f"swing foot, {label}")
+                add(values / limit, -1.0, 1.0, f"torque u_{i + 1}, {label}", limits[i])
+            rotations = ((2, spec.max_pelvis_roll, "pelvis roll"), (4, spec.max_foot_rotation, "swing foot"))
+            for body, bound, name in rotations:
+                if bound is not None or self.shared:
+                    most = inf if bound is None else bound
+                    add(phase.motion.rotation[body][0], -most, most, f"{name}, {label}")
             if self.joint_limits:
                 self._add_joint_limits(phase, label)
         # C07, C08, C09
@@ -447,7 +504,8 @@ class Peer:
         """Run IPOPT from x (47,), by default from the package's default start."""
         start = self.default_start() if x is None else x
         began = time.perf_counter()
-        answer = self.solver(x0=start, lbg=self.low + self._inwards, ubg=self.high - self._inwards)
+        numbers = {"p": self.numbers} if self.shared else {}
+        answer = self.solver(x0=start, lbg=self.low + self._inwards, ubg=self.high - self._inwards, **numbers)
         seconds = time.perf_counter() - began
         stats = self.solver.stats()
         calls = tuple(int(stats.get(f"n_call_nlp_{name}", 0)) for name in ("f", "grad_f", "hess_l"))
