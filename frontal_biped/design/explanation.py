@@ -15,6 +15,7 @@ import numpy as np
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.design.trust_region_sqp import SqpResult
 from frontal_biped.exceptions import SpecificationError
+from frontal_biped.gait.check import ROUNDING
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 
@@ -71,7 +72,8 @@ def conflicts(problem: DesignProblem, result: SqpResult) -> tuple[Conflict, ...]
     for row in problem.rows():
         price = float(margins[row.entries].sum())
         if price > SHARE * of_bounds:
-            shortfall = max(0.0, -float(np.min(point.margins[row.entries]))) * row.scale
+            missed = -float(np.min(point.margins[row.entries]))
+            shortfall = missed * row.scale if missed > ROUNDING else 0.0
             relief = result.violation * row.scale * total / price
             weight = price / of_bounds
             found.append(Conflict(row.code, row.name, row.key, row.unit, row.bound, shortfall, weight, relief))

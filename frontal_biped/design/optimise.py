@@ -10,12 +10,12 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.explanation import Conflict, Remedy, conflicts, remedy
 from frontal_biped.design.problem import COLUMN_REACH, DesignProblem
-from frontal_biped.design.search import Candidate, Progress, Search
+from frontal_biped.design.search import BOLD, FEASIBILITY, Candidate, Progress, Search
 from frontal_biped.design.tightening import Tightening
 from frontal_biped.design.variables import STEP_WIDTH
 from frontal_biped.design.verification import RETURN_TOLERANCE, Verification, verify
 from frontal_biped.design.walk_trial import WalkTrial
-from frontal_biped.exceptions import SpecificationError
+from frontal_biped.exceptions import SpecificationError, UnreachablePoseError
 from frontal_biped.files.provenance import software_versions
 from frontal_biped.gait.check import ConstraintReport
 from frontal_biped.gait.gait import Gait
@@ -32,7 +32,7 @@ SPREAD = 0.5
 """Standard deviation of the starts of a multi-start, in units of the variables' scales."""
 
 RESCUES = 2
-"""Further starts that are tried before a specification is called impossible."""
+"""Random starts that are tried, besides the default one, before a specification is called impossible."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,8 @@ def design_gait(
     Args:
         biped: the robot.
         specification: the bounds; default: `default_specification`, what the robot's description asks for.
-        start: a gait, or (P,) variables of `DesignProblem`, to start from; default: the problem's own start.
+        start: a gait, or (P,) variables of `DesignProblem`, to start from; default: the problem's own start. One that
+            keeps every bound is never lost: the gait designed costs no more.
         attempts: designs from as many starts, the further ones drawn at random (``seed`` of the specification) around
             the default; the cheapest gait is kept.
         fall_back: where a start leads nowhere, try the problem's own start and two random ones as well.
@@ -111,9 +112,9 @@ def design_gait(
     if attempts < 1:
         raise SpecificationError(f"attempts = {attempts} is below 1; a design needs a start")
     began = time.perf_counter()
-    design = _Design(biped, spec, column_reach, on_progress)
-    candidates: list[Candidate] = []
-    for number, x in enumerate(_starts(design.problem, spec, start, attempts)):
+    design = _Design(biped, spec, column_reach, on_progress, start)
+    candidates = design.given()
+    for number, x in enumerate(design.starts(attempts)):
         if number >= attempts and (not fall_back or any(candidate.good for candidate in candidates)):
             break  # the default start only stands in for a start that led nowhere
         candidates.append(design.run(x))
@@ -122,24 +123,6 @@ def design_gait(
     best = min(candidates, key=lambda candidate: (not candidate.good, candidate.figure))
     result = design.conclude(best) if best.good else design.explain(best, advise)
     return replace(result, seconds=time.perf_counter() - began)
-
-
-def _starts(
-    problem: DesignProblem, spec: GaitSpecification, start: Gait | FloatArray | None, attempts: int
-) -> Iterator[FloatArray]:
-    default = problem.start()
-    low, high = problem.bounds()
-    if start is not None:
-        yield np.clip(
-            problem.variables(start) if isinstance(start, Gait) else np.asarray(start, dtype=float), low, high
-        )
-    else:
-        yield default
-    rng = np.random.default_rng(spec.seed)
-    for _ in range(attempts - 1):
-        yield _drawn(problem, rng)
-    if start is not None:
-        yield default
 
 
 def _drawn(problem: DesignProblem, rng: np.random.Generator) -> FloatArray:
@@ -154,14 +137,45 @@ class _Design:
     """One specification, designed for from one or several starts."""
 
     def __init__(
-        self, biped: FrontalBiped, spec: GaitSpecification, column_reach: float, on_progress: Progress | None
+        self,
+        biped: FrontalBiped,
+        spec: GaitSpecification,
+        column_reach: float,
+        on_progress: Progress | None,
+        start: Gait | FloatArray | None,
     ) -> None:
         self.biped, self.spec, self.column_reach = biped, spec, column_reach
+        self.start: FloatArray | None = None
+        if start is not None:
+            layout = self._problem(spec).layout
+            self.start = layout.of(start) if isinstance(start, Gait) else np.asarray(start, dtype=float)
         self.problem = self._problem(spec)
         self.search = Search(on_progress)
 
     def _problem(self, spec: GaitSpecification) -> DesignProblem:
-        return DesignProblem(self.biped, spec, OPTIMISER_NODES, SAFETY, column_reach=self.column_reach)
+        return DesignProblem(
+            self.biped, spec, OPTIMISER_NODES, SAFETY, column_reach=self.column_reach, within=self.start
+        )
+
+    def starts(self, attempts: int) -> Iterator[FloatArray]:
+        """The start given or the default one, random ones, and the default one where another was given."""
+        default = self.problem.start()
+        yield default if self.start is None else np.clip(self.start, *self.problem.bounds())
+        rng = np.random.default_rng(self.spec.seed)
+        for _ in range(attempts - 1):
+            yield _drawn(self.problem, rng)
+        if self.start is not None:
+            yield default
+
+    def given(self) -> list[Candidate]:
+        """The start itself where it keeps every bound: the optimiser may lose it, or end dearer."""
+        if self.start is None:
+            return []
+        try:
+            candidate = self.search.as_it_is(self.problem, np.clip(self.start, *self.problem.bounds()))
+        except UnreachablePoseError:
+            return []
+        return [candidate] if candidate.good else []
 
     def run(self, x: FloatArray) -> Candidate:
         """The cheapest step in reach of x."""
@@ -173,9 +187,11 @@ class _Design:
         Ends with the first gait.
         """
         rng = np.random.default_rng([self.spec.seed, 1])
+        drawn = [_drawn(self.problem, rng) for _ in range(RESCUES)]
+        trials = [(self.problem.start(), BOLD), *((x, way) for x in drawn for way in (FEASIBILITY, BOLD))]
         found = []
-        for _ in range(RESCUES):
-            x = self.search.any_step(self.problem, _drawn(self.problem, rng))
+        for start, settings in trials:
+            x = self.search.any_step(self.problem, start, settings)
             if x is not None:
                 found.append(self.run(x))
                 if found[-1].good:

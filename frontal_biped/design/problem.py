@@ -54,6 +54,9 @@ WORKABLE = 30.0
 COLUMN_REACH = 3.0
 """How far a Bezier column may be from that of the start [rad]."""
 
+ANGLE_REACH = 0.15
+"""How far beta_r- and beta_f- may be from those of the start [rad]."""
+
 RESTORATIONS = 12
 """Halvings of the way from a start without an orbit to the default start."""
 
@@ -94,6 +97,8 @@ class DesignProblem:
         tighten_by: distance that every scaled constraint keeps from its bound.
         ends: what the step begins and ends with; default: its own landing, as a gait does.
         column_reach: how far a Bezier column may be from that of the start [rad].
+        within: (P,) variables that the bounds leave room for as well, but for those that the specification and the
+            ends bound.
 
     Raises:
         RobotError: the specification bounds the holding wrench, and the length of the soles is not known.
@@ -111,11 +116,13 @@ class DesignProblem:
         *,
         ends: StepEnds | None = None,
         column_reach: float = COLUMN_REACH,
+        within: FloatArray | None = None,
     ) -> None:
         self.biped = biped
         self.specification = specification
         self.ends: StepEnds = Periodic(biped, specification) if ends is None else ends
         self.column_reach = column_reach
+        self.within = within
         self.rule = reversal_quadrature(size)
         self._differentiable = DifferentiableBiped(biped)
         self._in_space: list[tuple[FootSole, PlaneMasses]] = []
@@ -131,9 +138,17 @@ class DesignProblem:
         self._tightened: dict[tuple[str, str], float] = {}
         self._margins: MarginLayout | None = None
 
-    def on_nodes(self, size: int) -> "DesignProblem":
-        """The same problem on ``size`` quadrature nodes a phase, nothing tightened."""
-        return DesignProblem(self.biped, self.specification, size, ends=self.ends, column_reach=self.column_reach)
+    def on_nodes(self, size: int, tighten_by: float = 0.0) -> "DesignProblem":
+        """The same problem on ``size`` quadrature nodes a phase, tightened by no more than ``tighten_by``."""
+        return DesignProblem(
+            self.biped,
+            self.specification,
+            size,
+            tighten_by,
+            ends=self.ends,
+            column_reach=self.column_reach,
+            within=self.within,
+        )
 
     # ------------------------------------------------------------------ variables
     def unpack(self, x: FloatArray) -> FreeParameters:
@@ -152,14 +167,18 @@ class DesignProblem:
         """Lower and upper bounds (P,) of the variables.
 
         Bezier columns may leave the start by ``column_reach`` and FRI coefficients the middle of the sole by three of
-        its halves, since only the polynomials, not their coefficients, have to stay in the robot's limits.
+        its halves, since only the polynomials, not their coefficients, have to stay in the robot's limits. A point that
+        the bounds shall leave room for has the same reach around it.
         """
         middle = self.ends.starts(self.layout)[-1]
         low, high = middle - self.column_reach, middle + self.column_reach
-        low[:2], high[:2] = middle[:2] - 0.15, middle[:2] + 0.15
-        low[STEP_WIDTH], high[STEP_WIDTH] = self.specification.step_width
+        low[:2], high[:2] = middle[:2] - ANGLE_REACH, middle[:2] + ANGLE_REACH
         outer, inner = self.biped.sole
-        low[self.layout.fri], high[self.layout.fri] = 3.0 * outer, 3.0 * inner
+        low[self.layout.fri], high[self.layout.fri] = 2.0 * outer - inner, 2.0 * inner - outer
+        if self.within is not None:
+            away = self.within - middle
+            low, high = low + np.minimum(away, 0.0), high + np.maximum(away, 0.0)
+        low[STEP_WIDTH], high[STEP_WIDTH] = self.specification.step_width
         which, values = self.ends.held(self.layout)
         low[which] = high[which] = values
         return low, high
@@ -260,6 +279,11 @@ class DesignProblem:
         for key, violation in shortfall.items():
             self._tightened[key] = self._tightened.get(key, 0.0) + 1.2 * violation
         self._margins = None
+
+    @property
+    def tightened(self) -> bool:
+        """Has any bound been moved inwards?"""
+        return bool(self._tightened)
 
     def _holding(self, step: StepOrbit) -> StepHolding:
         orbits = step.rising, step.falling

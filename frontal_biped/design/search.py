@@ -1,19 +1,37 @@
 """From a start to the cheapest step: optimise, close the orbit, check on the dense grid, tighten where it disagrees."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.closing import ClosedStep, close_step
 from frontal_biped.design.problem import DesignProblem
-from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, minimise
+from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, largest_violation, minimise
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait.check import ConstraintReport, check_constraints
 
-TIGHTENING_ROUNDS = 8
+ROUNDS = 10
+"""Runs of the optimiser from one start, each on nodes or bounds that the dense grid has asked for."""
+
+FINER = 2
+"""How many times more nodes the optimiser gets once the dense grid finds a violation between them: moving a bound
+inwards costs J in proportion to the violation, which falls with the square of the nodes' distance."""
+
+FINEST = 64
+"""Most nodes a phase."""
+
+WORTH_FINER = 1e-4
+"""Scaled violation between the nodes from which on finer nodes pay."""
+
+NEARLY = 1e-3
+"""Scaled violation up to which the answer of an optimiser that stopped short is closed and checked all the same."""
 
 FEASIBILITY = SqpSettings(stop_when_feasible=True, max_iterations=150)
 """Settings that ask whether a step exists, not what it costs."""
+
+BOLD = replace(FEASIBILITY, cost_scale=1e-4, radius=1.0)
+"""The same with long first steps that hardly look at the cost: small ones may creep into a corner that has no step."""
 
 Progress = Callable[[int, float, float], None]
 
@@ -39,8 +57,8 @@ class Candidate(NamedTuple):
 
     @property
     def good(self) -> bool:
-        """Does it keep every constraint?"""
-        return self.result.feasible and self.report is not None and self.report.satisfied
+        """Does it keep every constraint? The dense grid decides, whatever the optimiser thinks of its own answer."""
+        return self.report is not None and self.report.satisfied
 
     @property
     def figure(self) -> float:
@@ -64,27 +82,54 @@ class Search:
         self.iterations = self.evaluations = 0
 
     def cheapest(self, problem: DesignProblem, x: FloatArray) -> Candidate:
-        """The cheapest step in reach of x; the problem is tightened where the dense grid finds a violation."""
-        x = problem.restored(x)
-        for _ in range(TIGHTENING_ROUNDS):
-            result = self._minimise(problem, x, SqpSettings(), self._progress())
-            x = result.x
-            try:
-                closed = close_step(problem, x, newton=result.feasible)
-            except (ReversalError, UnreachablePoseError) as error:
-                return Candidate(x, result, problem, None, None, str(error))
-            x = closed.x
-            report = check_constraints(
-                problem.biped, problem.specification, *closed.phases, closed.step, departure=problem.departing
-            )
-            if report.satisfied or not result.feasible:
-                break
-            problem.tighten(report.shortfall)
-        return Candidate(x, result, problem, closed, report, "")
+        """The cheapest step in reach of x.
 
-    def any_step(self, problem: DesignProblem, x: FloatArray) -> FloatArray | None:
+        Where the dense grid finds a violation between the optimiser's nodes, these become finer, and what is left of
+        it tightens the bounds. Bounds that contradict each other only when tightened are put back, on finer nodes.
+        """
+        x = problem.restored(x)
+        coarse = problem.rule.tau.size
+        before = x
+        for _ in range(ROUNDS):
+            result = self._minimise(problem, x, SqpSettings(), self._progress())
+            candidate = self._checked(problem, result)
+            report, size = candidate.report, problem.rule.tau.size
+            if report is None or report.satisfied:
+                break
+            if result.violation > NEARLY:
+                if not problem.tightened or size >= FINEST:
+                    break
+                problem, x = problem.on_nodes(FINER * size, problem.tighten_by), before
+                continue
+            before = x = candidate.x
+            if size == coarse and max(report.shortfall.values()) > WORTH_FINER:
+                problem = problem.on_nodes(FINER * size, problem.tighten_by)
+            else:
+                problem.tighten(report.shortfall)
+        return candidate
+
+    def as_it_is(self, problem: DesignProblem, x: FloatArray) -> Candidate:
+        """x itself, closed and checked."""
+        point = problem.evaluate(x)
+        violation = largest_violation(point)
+        result = SqpResult(x, point.cost, violation, 0, 1, True, violation <= NEARLY, "the start itself")
+        self.evaluations += 1
+        return self._checked(problem, result)
+
+    def _checked(self, problem: DesignProblem, result: SqpResult) -> Candidate:
+        """The optimiser's answer on the dense grid, its equalities taken to rounding where they nearly hold."""
+        try:
+            closed = close_step(problem, result.x, newton=result.violation <= NEARLY)
+        except (ReversalError, UnreachablePoseError) as error:
+            return Candidate(result.x, result, problem, None, None, str(error))
+        report = check_constraints(
+            problem.biped, problem.specification, *closed.phases, closed.step, departure=problem.departing
+        )
+        return Candidate(closed.x, result, problem, closed, report, "")
+
+    def any_step(self, problem: DesignProblem, x: FloatArray, settings: SqpSettings = FEASIBILITY) -> FloatArray | None:
         """Variables of a step that keeps every bound, whatever it costs, in reach of x; None if none was found."""
-        result = self._minimise(problem, problem.restored(x), FEASIBILITY)
+        result = self._minimise(problem, problem.restored(x), settings)
         return result.x if result.feasible else None
 
     def _minimise(

@@ -105,7 +105,12 @@ class SymbolicChain(NamedTuple):
         """A chain of the symbols that `chain_numbers` puts in a row."""
         bodies, joints, armature, torque, rest = ca.vertsplit(numbers, [0, 20, 28, 32, 36, 39])
         parts = [ca.vertsplit(body, [0, 1, 3, 4]) for body in ca.vertsplit(bodies, 4)]
-        return cls([SymbolicBody(*part) for part in parts], ca.vertsplit(joints, 2), armature, torque, *ca.vertsplit(rest))
+        return cls(
+            [SymbolicBody(*part) for part in parts], ca.vertsplit(joints, 2), armature, torque, *ca.vertsplit(rest)
+        )
+
+
+Chain = FrontalChain | SymbolicChain
 
 
 def chain_numbers(chain: FrontalChain, torque: FloatArray) -> FloatArray:
@@ -125,7 +130,9 @@ class ChainMotion:
     sole: list[tuple[Vector, Vector, Vector]]
 
 
-def chain_motion(chain: FrontalChain | SymbolicChain, q: list[Column], dq: list[Column], ddq: list[Column]) -> ChainMotion:
+def chain_motion(
+    chain: FrontalChain | SymbolicChain, q: list[Column], dq: list[Column], ddq: list[Column]
+) -> ChainMotion:
     """Forward kinematics of stance foot, stance leg, pelvis, swing leg, swing foot (bodies 0 to 4)."""
     still = (0.0 * q[0], 0.0 * q[0])
     joints, centres, rotation = [], [(_constant(chain.bodies[0].com, q[0]), still, still)], [(still[0],) * 3]
@@ -175,7 +182,9 @@ class Wrench:
     G: list[Column]
 
 
-def newton_euler(chain: FrontalChain | SymbolicChain, motion: ChainMotion, dq: list[Column], ddq: list[Column]) -> Wrench:
+def newton_euler(
+    chain: FrontalChain | SymbolicChain, motion: ChainMotion, dq: list[Column], ddq: list[Column]
+) -> Wrench:
     """Inverse dynamics, from the swing foot inwards; the stance foot rests."""
     zero = 0.0 * dq[0]
     A, B, G = [zero] * 7, [zero] * 7, [zero] * 7
@@ -204,7 +213,7 @@ class SymbolicImpact:
     lift_off: Column
 
 
-def impact(chain: FrontalChain | SymbolicChain, motion: ChainMotion, dq: list[Column], at: int) -> SymbolicImpact:
+def impact(chain: Chain, motion: ChainMotion, dq: list[Column], at: int) -> SymbolicImpact:
     """The swing foot lands and sticks.
 
     No impulse acts but on the landing foot, so the angular momentum about joint j of everything beyond it, seen from
@@ -269,7 +278,13 @@ class SymbolicPhase:
 
 
 def zero_dynamics(
-    chain: FrontalChain | SymbolicChain, size: int, direction: int, start: Column, end: Column, joints: Column, fri: Column
+    chain: FrontalChain | SymbolicChain,
+    size: int,
+    direction: int,
+    start: Column,
+    end: Column,
+    joints: Column,
+    fri: Column,
 ) -> SymbolicPhase:
     """zeta = tau^2 z from the reversal; ``joints`` (3, M + 1) and ``fri`` (M_FRI + 1,) are Bezier coefficients."""
     tau, weights, Q = chebyshev_quadrature(size)
@@ -394,7 +409,7 @@ class Peer:
         self._low.append(np.full(count, low))
         self._high.append(np.full(count, high))
 
-    def _formulate(self, x: Column, chain: FrontalChain | SymbolicChain, size: int) -> Column:
+    def _formulate(self, x: Column, chain: Chain, size: int) -> Column:
         spec, add = self.specification, self._add
         inf = float(np.inf)
         head, rising_flat, falling_flat, rising_fri, falling_fri = ca.vertsplit(x, [0, *np.cumsum(self.sizes).tolist()])
