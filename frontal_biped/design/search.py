@@ -57,8 +57,8 @@ class Candidate(NamedTuple):
 
     @property
     def good(self) -> bool:
-        """Does it keep every constraint? The dense grid decides, whatever the optimiser thinks of its own answer."""
-        return self.report is not None and self.report.satisfied
+        """Does it keep every constraint? The dense grid decides, once the orbit can be closed."""
+        return self.result.violation <= NEARLY and self.report is not None and self.report.satisfied
 
     @property
     def figure(self) -> float:
@@ -94,7 +94,7 @@ class Search:
             result = self._minimise(problem, x, SqpSettings(), self._progress())
             candidate = self._checked(problem, result)
             report, size = candidate.report, problem.rule.tau.size
-            if report is None or report.satisfied:
+            if report is None or candidate.good:
                 break
             if result.violation > NEARLY:
                 if not problem.tightened or size >= FINEST:
@@ -109,11 +109,13 @@ class Search:
         return candidate
 
     def as_it_is(self, problem: DesignProblem, x: FloatArray) -> Candidate:
-        """x itself, closed and checked."""
+        """x itself, closed and checked where its constraints nearly hold."""
         point = problem.evaluate(x)
         violation = largest_violation(point)
         result = SqpResult(x, point.cost, violation, 0, 1, True, violation <= NEARLY, "the start itself")
         self.evaluations += 1
+        if violation > NEARLY:
+            return Candidate(x, result, problem, None, None, "the start keeps not every constraint")
         return self._checked(problem, result)
 
     def _checked(self, problem: DesignProblem, result: SqpResult) -> Candidate:

@@ -78,6 +78,13 @@ def test_bounds_leave_room_around_a_start_outside_them(biped, reference_gait):
     assert np.array_equal(around.on_nodes(24).bounds(), (wider_low, wider_high))
 
 
+def test_an_orbit_that_cannot_be_closed_is_no_gait(biped, reference_gait):
+    """The dense grid says nothing of periodicity: without it the answer of an optimiser is none."""
+    candidate = as_it_is(biped, reference_gait, GaitSpecification())
+    assert candidate.good
+    assert not candidate._replace(result=replace(candidate.result, violation=0.1)).good
+
+
 def nearest(biped, reference_gait, missed):
     """A result whose pelvis roll misses its bound by ``missed`` of its typical size, and has a share in a conflict."""
     problem = DesignProblem(biped, GaitSpecification(max_pelvis_roll=0.05), OPTIMISER_NODES)
