@@ -15,8 +15,8 @@ only then is its answer a gait. Per case: J of both, and one of
     neither       no gait by either
     FALSE REFUSAL only the peer found one
 
-Ours is a gait if `design_gait` says so: dense grid, residuals and a simulated step. A case
-takes about eight CPU seconds.
+Ours is a gait if `design_gait` says so: dense grid, residuals and a simulated step. A case takes
+about eight CPU seconds.
 """
 
 import argparse
