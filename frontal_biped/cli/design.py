@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from frontal_biped.cli.arguments import add_json, add_robot, add_value, positive_int
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
-from frontal_biped.cli.output import emit
+from frontal_biped.cli.output import emit, free_path
 from frontal_biped.cli.progress import Progress
 
 if TYPE_CHECKING:
@@ -15,7 +15,12 @@ if TYPE_CHECKING:
     from frontal_biped.model.biped import FrontalBiped
 
 SUMMARY = "Design a gait: minimise J under C01 to C09."
-EXAMPLE = "frontal-biped design --robot frontal_biped --spec spec.toml -o gait.json"
+EXAMPLE = "frontal-biped design --robot frontal_biped --spec robust -o gait.json"
+
+_OUTPUT = (
+    "gait file to write; default: gait.json beside the robot's description, of a packaged robot here, or where that is"
+    " taken gait-2.json, gait-3.json, ..."
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--start", metavar="G.json", type=Path, help="gait to start from; default: a swayed stand")
     starts = "designs from as many starts, random but the first; the cheapest gait is kept"
     add_value(parser, "--attempts", "N", positive_int, "1", starts)
-    parser.add_argument("-o", "--output", metavar="G.json", type=Path, help="gait file to write")
+    parser.add_argument("-o", "--output", metavar="G.json", type=Path, help=_OUTPUT)
     add_json(parser)
 
 
@@ -42,8 +47,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     biped = load_robot(arguments.robot)
     specification = default_specification(biped) if arguments.spec is None else load_specification(arguments.spec)
-    if arguments.output is not None:
-        require_parent(arguments.output)
+    output = arguments.output or free_path(_place(biped) / "gait.json")
+    require_parent(output)
     with Progress("designing:") as progress:
 
         def show(iteration: int, cost: float, violation: float) -> None:
@@ -54,13 +59,19 @@ def run(arguments: argparse.Namespace) -> int:
     if result.gait is None:
         sys.stderr.write(f"frontal-biped: no gait: {biped.name}: {result.message}\n")
         return TASK_FAILED
-    if arguments.output is not None:
-        save_gait(result.gait, arguments.output)
-    emit(arguments, *_report(biped, result, arguments.output))
+    save_gait(result.gait, output)
+    emit(arguments, *_report(biped, result, output))
     return SUCCESS
 
 
-def _report(biped: "FrontalBiped", result: "DesignResult", output: Path | None) -> tuple[dict[str, object], str]:
+def _place(biped: "FrontalBiped") -> Path:
+    """Folder of a gait that is not told where."""
+    from frontal_biped.model.catalogue import is_packaged
+
+    return Path() if is_packaged(biped.path) else biped.path.parent
+
+
+def _report(biped: "FrontalBiped", result: "DesignResult", output: Path) -> tuple[dict[str, object], str]:
     """For JSON, and as text."""
     table = {
         "success": result.success,
@@ -68,12 +79,11 @@ def _report(biped: "FrontalBiped", result: "DesignResult", output: Path | None) 
         "iterations": result.iterations,
         "evaluations": result.evaluations,
         "seconds": result.seconds,
-        "output": None if output is None else str(output),
+        "output": str(output),
         "asymmetry": biped.asymmetry.as_dict(),
         "constraints": None if result.report is None else result.report.as_dict(),
     }
     share = 100.0 * biped.asymmetry.mass_matrix
     legs = f"\nlegs averaged; they differ by {share:.2g} % of the mass matrix" if biped.asymmetry.differences else ""
     effort = f"{result.iterations} iterations, {result.evaluations} evaluations, {result.seconds:.2f} s"
-    saved = f"written to {output}" if output is not None else "not saved; add -o gait.json"
-    return table, f"{result.report}\n\n{biped.name}: {result.message}{legs}\n{effort}; {saved}"
+    return table, f"{result.report}\n\n{biped.name}: {result.message}{legs}\n{effort}; written to {output}"

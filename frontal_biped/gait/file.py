@@ -1,7 +1,8 @@
 """The gait file (JSON): written whole or not at all, read field by field. Format "frontal-biped-gait", version 1.
 
     format, version          what the file is
-    robot                    name, description, fingerprint (SHA-256 of URDF and description)
+    robot                    name, description, fingerprint (SHA-256 of URDF and description); the description is a
+                             path from the folder of this file, or the file name of a packaged one (`robot_path`)
     rising, falling          each: beta_start, beta_end [rad]; joint_bezier, 3 rows (stance hip, swing hip, swing
                              ankle) of M + 1 coefficients [rad]; fri_bezier, one row [m]
     step_width               L_s, distance between the ankles [m]
@@ -15,7 +16,7 @@ that is not finite is refused with file, field, value and remedy.
 """
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from frontal_biped.exceptions import GaitFileError, SpecificationError
 from frontal_biped.files.atomic import write_text
 from frontal_biped.files.toml import as_finite
 from frontal_biped.gait.gait import Gait, OrbitNumbers, RobotReference
+from frontal_biped.gait.robot_path import found_description, stored_description
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.virtual_constraints.phase import Phase
 
@@ -34,11 +36,13 @@ FORMAT, VERSION = "frontal-biped-gait", 1
 
 def save_gait(gait: Gait, path: Path | str) -> None:
     """Write a gait file (JSON); numbers round-trip exactly, and the file appears whole or not at all."""
-    write_text(Path(path), json.dumps(gait_to_dict(gait), indent=1, allow_nan=False) + "\n")
+    path = Path(path)
+    stored = _of_robot(gait, stored_description(gait.robot.description, path.parent))
+    write_text(path, json.dumps(gait_to_dict(stored), indent=1, allow_nan=False) + "\n")
 
 
 def gait_to_dict(gait: Gait) -> dict[str, Any]:
-    """Content of a gait file."""
+    """Content of a gait file, its robot's description named as in memory."""
     return {
         "format": FORMAT,
         "version": VERSION,
@@ -60,7 +64,9 @@ def load_gait(path: Path | str) -> Gait:
             the wrong type or shape, or not finite. The message names file, field, value and remedy. Only the
             specification need not be complete: defaults hold where it says nothing.
     """
-    return gait_from_dict(_load_json(Path(path)), str(path))
+    path = Path(path)
+    gait = gait_from_dict(_load_json(path), str(path))
+    return _of_robot(gait, found_description(gait.robot.description, path.parent))
 
 
 def gait_from_dict(table: Any, where: str) -> Gait:
@@ -99,6 +105,10 @@ def gait_from_dict(table: Any, where: str) -> Gait:
         reader.specification(table),
         reader.table(table, "provenance", None),
     )
+
+
+def _of_robot(gait: Gait, description: str) -> Gait:
+    return replace(gait, robot=replace(gait.robot, description=description))
 
 
 def _phase_to_dict(phase: Phase) -> dict[str, Any]:
