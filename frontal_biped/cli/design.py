@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from frontal_biped.cli.arguments import add_json, add_robot, add_value, positive_int
+from frontal_biped.cli.arguments import add_json, add_output, add_robot, add_value, positive_int
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
 from frontal_biped.cli.output import emit, free_path
 from frontal_biped.cli.progress import Progress
@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--start", metavar="G.json", type=Path, help="gait to start from; default: a swayed stand")
     starts = "designs from as many starts, random but the first; the cheapest gait is kept"
     add_value(parser, "--attempts", "N", positive_int, "1", starts)
-    parser.add_argument("-o", "--output", metavar="G.json", type=Path, help=_OUTPUT)
+    add_output(parser, "G.json", _OUTPUT)
     add_json(parser)
 
 

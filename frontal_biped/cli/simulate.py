@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from frontal_biped.cli.arguments import (
     add_gait,
     add_json,
+    add_output,
     add_robot,
     add_value,
     finite_float,
@@ -51,7 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_value(parser, "--encoder-noise", "S", not_negative_float, "0", "standard deviation, rad")
     add_value(parser, "--torque-noise", "S", not_negative_float, "0", "standard deviation, relative")
     add_value(parser, "--seed", "N", whole_number, "0", "of the noise")
-    parser.add_argument("-o", "--output", metavar="RUN.npz", type=Path, help="run file to write")
+    add_output(parser, "RUN.npz", "run file to write")
     add_json(parser)
 
 

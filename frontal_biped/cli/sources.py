@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from frontal_biped.cli.progress import Progress
 from frontal_biped.exceptions import FrontalBipedError, GaitFileError
-from frontal_biped.files.archive import archive_format
+from frontal_biped.files.kinds import RUN, SPACE_RUN, archive_format
 from frontal_biped.gait.file import gait_from_dict, load_gait
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.robot_path import description_file
@@ -15,7 +15,7 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import load_robot
 from frontal_biped.model.space.free_robot import FreeRobot
 from frontal_biped.simulation.orbit import orbit_trajectory
-from frontal_biped.simulation.space.run import KIND, SpatialRun, load_spatial_run
+from frontal_biped.simulation.space.run import SpatialRun, load_spatial_run
 from frontal_biped.simulation.trajectory import Trajectory, load_trajectory
 from frontal_biped.simulation.walking import simulate
 
@@ -51,7 +51,7 @@ def load_source(path: Path, robot: str | None, run_of: Callable[[FrontalBiped, G
         robot: name or file of the robot; None: the one that the file names.
         run_of: makes a run of a gait.
     """
-    if path.suffix != ".npz":
+    if path.suffix != ".npz" and archive_format(path) != RUN:
         biped, gait = load_walker(path, robot)
         return Source(biped, gait, run_of(biped, gait))
     run = load_trajectory(path)
@@ -89,7 +89,7 @@ class SpatialSource(NamedTuple):
 
 def is_spatial(path: Path) -> bool:
     """Is a file the run file of a walk in space?"""
-    return path.suffix == ".npz" and archive_format(path) == KIND.format
+    return archive_format(path) == SPACE_RUN
 
 
 def load_spatial_source(path: Path, robot: str | None) -> SpatialSource:

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from frontal_biped.cli.arguments import add_no_open, add_robot, add_source, port
+from frontal_biped.cli.arguments import add_no_open, add_page, add_robot, add_source, port
 from frontal_biped.cli.exit_status import SUCCESS
 from frontal_biped.cli.progress import Progress
 from frontal_biped.exceptions import FrontalBipedError
@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--overlay", action="store_true", help="the second run translucent over the first, not beside it"
     )
-    parser.add_argument("--html", metavar="PAGE.html", type=Path, help="write one offline page instead of a live view")
+    add_page(parser, "write one offline page instead of a live view")
     add_no_open(parser)
     parser.add_argument(
         "--port", metavar="N", type=port, default=0, help="of the live view; default: the first free one"

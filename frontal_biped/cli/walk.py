@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from frontal_biped.cli.arguments import (
     add_json,
+    add_output,
+    add_page,
     add_value,
     finite_float,
+    folder,
     not_negative_float,
     positive_float,
     positive_int,
@@ -57,9 +60,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_value(parser, "--ground", "H", not_negative_float, "0", "footholds within plus and minus this, m")
     add_value(parser, "--friction", "MU", positive_float, "0.8", "of the ground")
     add_value(parser, "--seed", "N", whole_number, "0", "of everything random")
-    parser.add_argument("--html", metavar="PAGE.html", type=Path, help="write the walk as one offline page")
-    parser.add_argument("--figures", metavar="DIR", type=Path, help="write its figures into a folder")
-    parser.add_argument("-o", "--output", metavar="RUN.npz", type=Path, help="run file to write")
+    add_page(parser, "write the walk as one offline page")
+    parser.add_argument("--figures", metavar="DIR", type=folder, help="write its figures into a folder")
+    add_output(parser, "RUN.npz", "run file to write")
     add_json(parser)
 
 

@@ -25,13 +25,15 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import GaitFileError, SpecificationError
 from frontal_biped.files.atomic import write_text
+from frontal_biped.files.kinds import GAIT, WORDS, named_kind
 from frontal_biped.files.toml import as_finite
 from frontal_biped.gait.gait import Gait, OrbitNumbers, RobotReference
 from frontal_biped.gait.robot_path import found_description, stored_description
+from frontal_biped.gait.shipped import gait_path
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.virtual_constraints.phase import Phase
 
-FORMAT, VERSION = "frontal-biped-gait", 1
+VERSION = 1
 
 
 def save_gait(gait: Gait, path: Path | str) -> None:
@@ -44,7 +46,7 @@ def save_gait(gait: Gait, path: Path | str) -> None:
 def gait_to_dict(gait: Gait) -> dict[str, Any]:
     """Content of a gait file, its robot's description named as in memory."""
     return {
-        "format": FORMAT,
+        "format": GAIT,
         "version": VERSION,
         "robot": asdict(gait.robot),
         "rising": _phase_to_dict(gait.rising),
@@ -57,14 +59,14 @@ def gait_to_dict(gait: Gait) -> dict[str, Any]:
 
 
 def load_gait(path: Path | str) -> Gait:
-    """Read a gait file.
+    """Read a gait file, or a packaged gait by the name of its robot; see `gait_path`.
 
     Raises:
-        GaitFileError: the file is missing, not JSON, of another format or version, or a field is absent, unknown, of
-            the wrong type or shape, or not finite. The message names file, field, value and remedy. Only the
-            specification need not be complete: defaults hold where it says nothing.
+        GaitFileError: there is none, or the file is missing, not JSON, of another format or version, or a field is
+            absent, unknown, of the wrong type or shape, or not finite. The message names file, field, value and remedy.
+            Only the specification need not be complete: defaults hold where it says nothing.
     """
-    path = Path(path)
+    path = gait_path(path)
     gait = gait_from_dict(_load_json(path), str(path))
     return _of_robot(gait, found_description(gait.robot.description, path.parent))
 
@@ -75,9 +77,9 @@ def gait_from_dict(table: Any, where: str) -> Gait:
     Raises:
         GaitFileError: as `load_gait`.
     """
-    if not isinstance(table, dict) or table.get("format") != FORMAT:
+    if not isinstance(table, dict) or table.get("format") != GAIT:
         raise GaitFileError(
-            f'{where}: not a gait file, "format" is not {FORMAT!r}; write one with `frontal-biped design`'
+            f'{where}: not a gait file, "format" is not {GAIT!r}; write one with `frontal-biped design`'
         )
     if isinstance(table.get("version"), bool) or table.get("version") != VERSION:  # JSON's true equals 1 in Python
         raise GaitFileError(
@@ -121,6 +123,9 @@ def _phase_to_dict(phase: Phase) -> dict[str, Any]:
 
 
 def _load_json(path: Path) -> Any:
+    other = named_kind(path)
+    if other is not None and other != WORDS[GAIT]:
+        raise GaitFileError(f"{path}: is {other}, not {WORDS[GAIT]}; write one with `frontal-biped design`")
     try:
         return json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:

@@ -16,9 +16,10 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.files.archive import ArchiveKind, read_archive, write_archive
+from frontal_biped.files.kinds import RUN
 from frontal_biped.gait.robot_path import with_found_description, with_stored_description
 
-KIND = ArchiveKind("frontal-biped-run", 1, "write one with `frontal-biped simulate GAIT.json -o RUN.npz`")
+KIND = ArchiveKind(RUN, 1, "write one with `frontal-biped simulate GAIT.json -o RUN.npz`")
 
 COMPLETED = "completed"
 """Outcome of a walk that took all its steps."""

@@ -11,6 +11,7 @@ from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path, PurePosixPath
 
 from frontal_biped.exceptions import RobotError
+from frontal_biped.files.extras import pip_install
 
 EXAMPLE_ROBOT_DATA = "example-robot-data"
 _SHARE = Path("share") / EXAMPLE_ROBOT_DATA / "robots"
@@ -31,7 +32,7 @@ def example_robot_data_dir() -> Path:
         if folder.is_dir():
             return folder
     searched = ", ".join(str(folder) for folder in candidates)
-    raise RobotError(f"{EXAMPLE_ROBOT_DATA} is not installed; pip install {EXAMPLE_ROBOT_DATA} (searched {searched})")
+    raise RobotError(f"{EXAMPLE_ROBOT_DATA} is not installed; {pip_install(EXAMPLE_ROBOT_DATA)} (searched {searched})")
 
 
 def resolve_urdf(where: str, urdf: str, folder: Path) -> Path:

@@ -16,10 +16,11 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import TrajectoryFileError
 from frontal_biped.files.archive import ArchiveKind, read_archive, write_archive
+from frontal_biped.files.kinds import SPACE_RUN
 from frontal_biped.gait.robot_path import with_found_description, with_stored_description
 from frontal_biped.simulation.trajectory import COMPLETED
 
-KIND = ArchiveKind("frontal-biped-space-run", 1, "write one with `frontal-biped walk ROBOT -o RUN.npz`")
+KIND = ArchiveKind(SPACE_RUN, 1, "write one with `frontal-biped walk ROBOT -o RUN.npz`")
 
 
 @dataclass(frozen=True, eq=False)
