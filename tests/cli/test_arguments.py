@@ -24,7 +24,7 @@ def test_tables_above_name_every_option_that_writes():
         for name, parser in commands().items()
         for action in parser._actions
         for option in action.option_strings
-        if str(action.metavar).startswith(("DIR", "FILE", "PAGE", "RUN.npz", "R.toml")) or option == "-o"
+        if str(action.metavar).startswith(("DIR", "FILE", "PAGE")) or option == "-o"
     }
     told = {(name, option) for option, names in FILES.items() for name in names} | set(FOLDERS)
     assert {pair for pair in written if not pair[1].startswith("--output")} == told
