@@ -73,7 +73,7 @@ def file_ending(ending: str) -> Callable[[str], Path]:
     def file(text: str) -> Path:
         path = Path(text)
         if path.is_dir() or text.endswith(("/", os.sep)):
-            raise argparse.ArgumentTypeError(f"{text!r} is a folder; name a file in it that ends in {ending}")
+            raise argparse.ArgumentTypeError(f"{text!r} is a directory; name a file in it that ends in {ending}")
         if path.suffix.lower() != ending:
             raise argparse.ArgumentTypeError(f"{text!r} does not end in {ending}; write {path.with_suffix(ending)}")
         return path

@@ -1,17 +1,19 @@
 """`frontal-biped design`."""
 
 import argparse
+import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from frontal_biped.cli.arguments import add_json, add_output, add_robot, add_value, positive_int
+from frontal_biped.cli.arguments import add_json, add_output, add_robot, add_value, add_verbose, positive_int
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
-from frontal_biped.cli.output import emit, free_path
+from frontal_biped.cli.output import emit, free_path, report
 from frontal_biped.cli.progress import Progress
 
 if TYPE_CHECKING:
     from frontal_biped.design.optimise import DesignResult
+    from frontal_biped.gait.check import ConstraintReport
     from frontal_biped.model.biped import FrontalBiped
 
 SUMMARY = "Design a gait: minimise J under C01 to C09."
@@ -33,6 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     starts = "designs from as many starts, random but the first; the cheapest gait is kept"
     add_value(parser, "--attempts", "N", positive_int, "1", starts)
     add_output(parser, "G.json", _OUTPUT)
+    add_verbose(parser)
     add_json(parser)
 
 
@@ -60,7 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
         sys.stderr.write(f"frontal-biped: no gait: {biped.name}: {result.message}\n")
         return TASK_FAILED
     save_gait(result.gait, output)
-    emit(arguments, *_report(biped, result, output))
+    emit(arguments, *_report(arguments, biped, result, output))
     return SUCCESS
 
 
@@ -71,7 +74,9 @@ def _place(biped: "FrontalBiped") -> Path:
     return Path() if is_packaged(biped.path) else biped.path.parent
 
 
-def _report(biped: "FrontalBiped", result: "DesignResult", output: Path) -> tuple[dict[str, object], str]:
+def _report(
+    arguments: argparse.Namespace, biped: "FrontalBiped", result: "DesignResult", output: Path
+) -> tuple[dict[str, object], str]:
     """For JSON, and as text."""
     table = {
         "success": result.success,
@@ -83,7 +88,35 @@ def _report(biped: "FrontalBiped", result: "DesignResult", output: Path) -> tupl
         "asymmetry": biped.asymmetry.as_dict(),
         "constraints": None if result.report is None else result.report.as_dict(),
     }
+    gait = result.gait
+    assert gait is not None
+    reached = (
+        f"{biped.name}: {result.message}; steps of {gait.orbit.step_duration:.3g} s and {gait.step_width:.3g} m;"
+        f" written to {output}"
+    )
+    lines = [reached, *([] if result.report is None else _needs(result.report))]
     share = 100.0 * biped.asymmetry.mass_matrix
     legs = f"\nlegs averaged; they differ by {share:.2g} % of the mass matrix" if biped.asymmetry.differences else ""
     effort = f"{result.iterations} iterations, {result.evaluations} evaluations, {result.seconds:.2f} s"
-    return table, f"{result.report}\n\n{biped.name}: {result.message}{legs}\n{effort}; written to {output}"
+    return table, report(arguments, lines, [f"{result.report}\n\n{effort}{legs}"], [])
+
+
+def _needs(checked: "ConstraintReport") -> list[str]:
+    """The bound that is nearest, and what the motors must do."""
+    from frontal_biped.model.chain import JOINTS
+
+    tightest = min(checked.checks, key=lambda check: check.margin / check.scale)
+    motors = []
+    for what, row in (("torque", r"torque u_(\d)"), ("speed", r"\|dq_(\d)/dt\|")):
+        rows = [check for check in checked.checks if re.match(row, check.name)]
+        if rows:
+            most = max(rows, key=lambda check: abs(check.value / check.bound))
+            joint = JOINTS[int(re.match(row, most.name)[1]) - 1]  # type: ignore[index]
+            value, limit = abs(most.value), abs(most.bound)
+            motors.append(
+                f"{what} of the {joint} {value:.3g} of {limit:.3g} {most.unit}, {100.0 * value / limit:.0f} %"
+            )
+    return [
+        f"tightest  {tightest.code} {tightest.name}: {tightest.value:.4g}, bound {tightest.bound:.4g} {tightest.unit}",
+        f"motors    {'; '.join(motors)}",
+    ]

@@ -42,7 +42,7 @@ def test_tables_above_name_every_option_that_writes():
     ],
 )
 def test_a_wrong_ending_is_refused_with_the_right_one(command, option, right, tmp_path, capsys):
-    for name, remedy in (("run.txt", f"write {tmp_path / 'run'}{right}"), ("run", "write"), ("", "is a folder")):
+    for name, remedy in (("run.txt", f"write {tmp_path / 'run'}{right}"), ("run", "write"), ("", "is a directory")):
         assert main([command, *NEEDED.get(command, []), option, str(tmp_path / name)]) == 2
         error = capsys.readouterr().err
         assert error.count("\n") == 1 and remedy in error and right in error
