@@ -10,7 +10,7 @@ Arguments = argparse._ActionsContainer
 """A parser, or a group of its arguments."""
 
 
-_SOURCE = "gait or run file, or the name of a packaged gait"
+_SHIPPED = "the name of a packaged gait"
 
 
 # ------------------------------------------------------------- shared arguments
@@ -21,12 +21,13 @@ def add_value(to: Arguments, option: str, metavar: str, kind: Callable[[str], An
 
 def add_gait(to: Arguments) -> None:
     """The gait file to work on."""
-    to.add_argument("gait", metavar="G.json", type=Path, help="gait file, or the name of a packaged gait")
+    to.add_argument("gait", metavar="G.json", type=Path, help=f"gait file, or {_SHIPPED}")
 
 
-def add_source(to: Arguments) -> None:
-    """The gait or run file to show."""
-    to.add_argument("source", metavar="G.json|RUN.npz", type=Path, help=_SOURCE)
+def add_source(to: Arguments, robot: bool = False) -> None:
+    """The gait or run file to show, or also a robot."""
+    also = "; or a robot, by name or file" if robot else f", or {_SHIPPED}"
+    to.add_argument("source", metavar="G.json|RUN.npz", type=Path, help=f"gait or run file{also}")
 
 
 def add_robot(to: Arguments, default: str | None = None) -> None:
