@@ -84,8 +84,10 @@ def run(arguments: argparse.Namespace) -> int:
     passed = all(result.passed for result in results)
     if arguments.junit is not None:
         write_junit(results, arguments.junit)
-    content = {"passed": passed, "scenarios": [result.as_dict() for result in results]}
-    emit(arguments, content, (markdown if arguments.markdown else table)(results))
+    written = [str(path) for path in (arguments.junit, arguments.save) if path is not None]
+    content = {"passed": passed, "scenarios": [result.as_dict() for result in results], "written": written}
+    told = "" if arguments.markdown else "".join(f"\nwritten: {path}" for path in written)
+    emit(arguments, content, (markdown if arguments.markdown else table)(results) + told)
     if arguments.save is not None and not arguments.json:
         sys.stderr.write(f"runs in {arguments.save}; watch one with `frontal-biped view {arguments.save}/NAME-0.npz`\n")
     return SUCCESS if passed else TASK_FAILED
