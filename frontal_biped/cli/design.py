@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from frontal_biped.cli.arguments import add_json, add_output, add_robot, add_value, add_verbose, positive_int
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
-from frontal_biped.cli.output import emit, free_path, report
+from frontal_biped.cli.output import emit, free_path, report, require_output
 from frontal_biped.cli.progress import Progress
 
 if TYPE_CHECKING:
@@ -42,16 +42,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Design a gait, write it, print its constraints."""
     from frontal_biped.design.optimise import design_gait
-    from frontal_biped.files.atomic import require_parent
     from frontal_biped.gait.file import load_gait, save_gait
     from frontal_biped.gait.shipped import load_specification
     from frontal_biped.gait.specification import default_specification
     from frontal_biped.model.catalogue import load_robot
 
+    require_output(arguments.output, arguments.spec, arguments.start, robot=arguments.robot)
     biped = load_robot(arguments.robot)
     specification = default_specification(biped) if arguments.spec is None else load_specification(arguments.spec)
     output = arguments.output or free_path(_place(biped) / "gait.json")
-    require_parent(output)
+    require_output(output)
     with Progress("designing:") as progress:
 
         def show(iteration: int, cost: float, violation: float) -> None:

@@ -15,6 +15,7 @@ from frontal_biped.cli.arguments import (
     size,
 )
 from frontal_biped.cli.exit_status import SUCCESS
+from frontal_biped.cli.output import require_output
 from frontal_biped.cli.progress import Progress
 from frontal_biped.exceptions import FrontalBipedError
 
@@ -61,12 +62,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write the file; a gait gives its periodic orbit, from the zero dynamics in closed form."""
     from frontal_biped.cli.sources import is_spatial
-    from frontal_biped.files.atomic import require_parent
 
     target: Path = arguments.output
     if target.suffix.lower() not in ENDINGS:
         raise FrontalBipedError(f"-o {target}: its ending is none of {', '.join(ENDINGS)}")
-    require_parent(target)
+    require_output(target, arguments.source, robot=arguments.robot)
     source = _spatial(arguments) if is_spatial(arguments.source) else _planar(arguments)
     if not 0.0 <= arguments.time <= source.duration:
         raise FrontalBipedError(

@@ -9,6 +9,7 @@ from typing import Any, NoReturn, Protocol
 from frontal_biped.cli import analyze, demo, design, export, library, plot, robots, simulate, studio, trial, view, walk
 from frontal_biped.cli.exit_status import TASK_FAILED, USAGE
 from frontal_biped.exceptions import FrontalBipedError
+from frontal_biped.files.names import require_utf8_name
 from frontal_biped.files.spelling import respelt
 from frontal_biped.version import __version__
 
@@ -44,7 +45,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     parser = make_parser()
     try:
-        arguments = parser.parse_args(_respelt_command(sys.argv[1:] if argv is None else argv))
+        words = sys.argv[1:] if argv is None else argv
+        for word in words:
+            require_utf8_name(word, FrontalBipedError)
+    except FrontalBipedError as error:
+        return _complain(str(error))
+    try:
+        arguments = parser.parse_args(_respelt_command(words))
     except SystemExit as stop:  # argparse: --help, --version, or a usage error it has printed
         return int(stop.code or 0)
     if arguments.command is None:

@@ -7,7 +7,7 @@ from typing import Any
 
 from frontal_biped.cli.arguments import add_json, positive_float
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
-from frontal_biped.cli.output import emit
+from frontal_biped.cli.output import emit, require_output
 from frontal_biped.exceptions import RobotError
 
 SUMMARY = "What can be walked; or propose a description for a URDF, or a posture for a description."
@@ -88,17 +88,35 @@ def _list() -> tuple[dict[str, Any], str]:
     return {"robots": rows}, "\n".join([head, units, *lines])
 
 
+def _require_description(existing: Path) -> None:
+    """Refuse to write over a file that is no description.
+
+    Raises:
+        RobotError: it is none.
+    """
+    from frontal_biped.files.toml import load_toml
+    from frontal_biped.model.urdf.description import KEYS
+
+    try:
+        table = load_toml(existing, RobotError)
+    except RobotError:
+        table = {}
+    if not {"urdf", "joints"} <= set(table) <= set(KEYS):
+        raise RobotError(f"{existing}: is there and is no robot description; it would be lost, choose another path")
+
+
 def _propose(arguments: argparse.Namespace) -> int:
     """Print or write a proposed description; exit status 1 if something is left for the user to settle."""
-    from frontal_biped.files.atomic import require_parent, write_text
+    from frontal_biped.files.atomic import write_text
     from frontal_biped.model.catalogue import description_path
     from frontal_biped.model.urdf.bent_proposal import propose_bent_posture
     from frontal_biped.model.urdf.packages import EXAMPLE_ROBOT_DATA
     from frontal_biped.model.urdf.proposal import propose_description, propose_posture
 
     output: Path | None = arguments.output
-    if output is not None:
-        require_parent(output)
+    require_output(output, arguments.describe, robot=arguments.posture or arguments.bend)
+    if output is not None and output.exists():
+        _require_description(output)
     if arguments.describe is not None:
         proposal = propose_description(arguments.describe)
     elif arguments.bend is not None:
@@ -117,9 +135,12 @@ def _propose(arguments: argparse.Namespace) -> int:
     table = {
         "description": proposal.text,
         "undecided": list(proposal.undecided),
+        "changed": list(proposal.changed),
         "output": None if output is None else str(output),
     }
     emit(arguments, table, shown)
+    for line in proposal.changed:
+        sys.stderr.write(f"frontal-biped: changed: {line}\n")
     for line in proposal.undecided:
         sys.stderr.write(f"frontal-biped: not decided: {line}\n")
     return TASK_FAILED if proposal.undecided else SUCCESS

@@ -18,7 +18,7 @@ from frontal_biped.cli.arguments import (
     whole_number,
 )
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
-from frontal_biped.cli.output import emit, report
+from frontal_biped.cli.output import emit, report, require_output
 from frontal_biped.cli.progress import Progress
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ _ENGINES = (
     "mujoco: MuJoCo's contact, and a walker that sees sensor readings only (extra mujoco); both: that walker in MuJoCo"
     " and in ours, side by side; -o RUN.npz then writes RUN.mujoco.npz and RUN.ours.npz; default: ours"
 )
+_ENGINES_OF = {"ours": ("ours",), "mujoco": ("mujoco",), "both": ("mujoco", "ours")}
 _STABILISERS = (
     "fixed, re-anchored, adaptive, ankle, step, step-lqr or ankle+step; default: adaptive, in MuJoCo with"
     " the energy law"
@@ -66,14 +67,13 @@ def run(arguments: argparse.Namespace) -> int:
     from frontal_biped.analysis.walk_summary import walk_summary
     from frontal_biped.cli.sources import load_walker
     from frontal_biped.exceptions import SimulationError
-    from frontal_biped.files.atomic import require_parent
     from frontal_biped.simulation.disturbances import Disturbances
     from frontal_biped.simulation.trajectory import save_trajectory
     from frontal_biped.simulation.walking import sampled_settings, simulate
 
+    for path in _paths(arguments.output, _ENGINES_OF[arguments.engine]).values():
+        require_output(path, arguments.gait, robot=arguments.robot)
     biped, gait = load_walker(arguments.gait, arguments.robot)
-    if arguments.output is not None:
-        require_parent(arguments.output)
     period = None if arguments.continuous else 1.0 / arguments.rate
     settings = sampled_settings(gait, period, outputs=arguments.controller)
     walk: dict[str, Any] = {
@@ -99,7 +99,7 @@ def run(arguments: argparse.Namespace) -> int:
             check, by_engine = cross_check(
                 biped,
                 gait,
-                engines=("mujoco", "ours") if arguments.engine == "both" else ("mujoco",),
+                engines=_ENGINES_OF[arguments.engine],
                 on_step=lambda engine, done: progress.update(f"in {engine}", done),
                 **walk,
                 stabiliser=arguments.stabiliser,

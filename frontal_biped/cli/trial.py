@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from frontal_biped.cli.arguments import add_jobs, add_json, file_ending, folder, positive_int, whole_number
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
-from frontal_biped.cli.output import emit
+from frontal_biped.cli.output import emit, require_output
 from frontal_biped.cli.progress import Progress
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     from frontal_biped.cli.workers import workers
     from frontal_biped.exceptions import ScenarioError
-    from frontal_biped.files.atomic import require_folder, require_parent
+    from frontal_biped.files.atomic import require_folder
     from frontal_biped.scenarios.file import load_scenario
     from frontal_biped.scenarios.monte_carlo import run_trials
     from frontal_biped.scenarios.report import markdown, table, write_junit
@@ -54,8 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
                 )
     if arguments.only is not None:
         scenarios = [replace(scenario, expect=replace(scenario.expect, survival=1.0)) for scenario in scenarios]
-    if arguments.junit is not None:
-        require_parent(arguments.junit)
+    gaits = [scenario.gait for scenario in scenarios if isinstance(scenario.gait, Path)]
+    require_output(arguments.junit, *arguments.scenarios, *gaits)
     if arguments.save is not None:
         require_folder(arguments.save)
     trials = len(scenarios) if arguments.only is not None else sum(arguments.repeat or s.repeat for s in scenarios)

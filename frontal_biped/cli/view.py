@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from frontal_biped.cli.arguments import add_no_open, add_page, add_robot, add_source, port
 from frontal_biped.cli.exit_status import SUCCESS
+from frontal_biped.cli.output import require_output
 from frontal_biped.cli.progress import Progress
 from frontal_biped.exceptions import FrontalBipedError
 
@@ -36,12 +37,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write the page, or serve the view until it is interrupted."""
     from frontal_biped.cli.sources import is_robot, is_spatial
-    from frontal_biped.files.atomic import require_parent
     from frontal_biped.viewer.live import serve
     from frontal_biped.viewer.page import exported_page
 
-    if arguments.html is not None:
-        require_parent(arguments.html)
+    robot = str(arguments.source) if is_robot(arguments.source) else arguments.robot
+    require_output(arguments.html, arguments.source, arguments.beside, robot=robot)
     if arguments.overlay and arguments.beside is None:
         raise FrontalBipedError("--overlay: lays a second run over the first; name a second file")
     if is_robot(arguments.source):

@@ -19,7 +19,7 @@ from frontal_biped.cli.arguments import (
     whole_number,
 )
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
-from frontal_biped.cli.output import emit, report
+from frontal_biped.cli.output import emit, report, require_output
 from frontal_biped.cli.progress import Progress
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Make what is missing, walk, write what was asked for, print what it came to."""
     from frontal_biped.design.preparation import prepare_to_walk
     from frontal_biped.exceptions import SimulationError
-    from frontal_biped.files.atomic import require_folder, require_parent
+    from frontal_biped.files.atomic import require_folder
     from frontal_biped.gait.file import gait_to_dict
     from frontal_biped.simulation.disturbances import Disturbances
     from frontal_biped.simulation.space.run import save_spatial_run
@@ -82,9 +82,8 @@ def run(arguments: argparse.Namespace) -> int:
     for option in ("lateral", "turn"):
         if getattr(arguments, option):
             raise SimulationError(f"--{option} {getattr(arguments, option):g}: a walk in space goes straight; leave it")
-    for path in (arguments.html, arguments.output):
-        if path is not None:
-            require_parent(path)
+    require_output(arguments.output, arguments.gait, robot=arguments.robot)
+    require_output(arguments.html, arguments.gait, arguments.output, robot=arguments.robot)
     if arguments.figures is not None:
         require_folder(arguments.figures)
     kept = next((path.parent for path in (arguments.output, arguments.html) if path is not None), Path())

@@ -6,6 +6,7 @@ where it is installed, in MuJoCo, the specification is tightened (`tightening`) 
 stated share beyond the one that was asked for.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -22,6 +23,9 @@ from frontal_biped.model.biped import FrontalBiped
 
 BUDGET = 0.25
 """Share of J that may be given away for a gait that walks [-]."""
+
+DEAR = 0.02
+"""Share of J from which on a tightened gait is looked for from a second start [-]."""
 
 MOST_DESIGNS = 8
 """Tightened designs that are tried."""
@@ -125,12 +129,9 @@ class _Search:
             try:
                 tighter = change.of(spec)
                 self.designs += 1
-                result = design_gait(self.biped, tighter, start=gait, advise=False, on_progress=self.on_progress)
+                result = self._cheapest(tighter, gait)
             except SpecificationError:
                 continue  # no room for that in the sole
-            self.seconds += result.seconds
-            self.iterations += result.iterations
-            self.evaluations += result.evaluations
             if result.gait is None or result.gait.orbit.cost > (1.0 + self.budget) * self.cheapest:
                 self.tell(f"with {change.key} = {change.new} {'no gait' if result.gait is None else 'too dear'}")
                 continue
@@ -144,6 +145,21 @@ class _Search:
                 if found is not None:
                     return found
         return None
+
+    def _cheapest(self, spec: GaitSpecification, gait: Gait) -> DesignResult:
+        """From the problem's own start, and where that leads to none or to a dear one from the gait before as well."""
+        results: list[DesignResult] = []
+        for start in (None, gait):
+            result = design_gait(
+                self.biped, spec, start=start, fall_back=start is not None, advise=False, on_progress=self.on_progress
+            )
+            self.seconds += result.seconds
+            self.iterations += result.iterations
+            self.evaluations += result.evaluations
+            results.append(result)
+            if result.gait is not None and result.gait.orbit.cost < (1.0 + DEAR) * self.cheapest:
+                break
+        return min(results, key=lambda result: math.inf if result.gait is None else result.gait.orbit.cost)
 
     def _walk(self, gait: Gait) -> WalkTrial:
         return try_walk(self.biped, gait, STEPS, self.on_step)

@@ -2,6 +2,8 @@
 
 Any URDF with two legs whose hips and ankles roll. `proposal` finds the legs by axis, side and order of their joints, a
 posture, and the soles on the feet's shapes, and says what it could not decide; `description` is the file that says it.
+What the readers of URDFs disagree about is put right before any of them sees the text (`normal_form`), and inertias are
+compared with the text's afterwards (`inertia_check`).
 
 Every joint but the four is locked at the posture, and mass, (y, z) of the centre of mass and moment about X of each
 body are taken over: nothing else enters a motion in the plane. Roll axes must be along X to 1e-3 rad, feet flat. Where

@@ -58,9 +58,11 @@ class BendingLeg:
         self.margins = Margins(0.0, 0.0)
         names = ", ".join(self.full.names[left] for left, _ in joints.pairs)
         if len(joints.pairs) != 6 or any(self.full.joints[joint].nq != 1 for pair in joints.pairs for joint in pair):
+            below = ", ".join(self.full.names[joint] for joint in self.full.children[joints.ankles[0]])
+            order = f"; here {below} moves below the ankle roll joint, which in space is the last" if below else ""
             raise RobotError(
                 f"{self.full.name}: {len(joints.pairs)} joints down to the ankle roll joint, {names}; a leg that bends"
-                " and keeps its foot flat has six, all with limits"
+                f" and keeps its foot flat has six, all with limits{order}"
             )
         self.pitch = self._pitch_joints(names)
         self._knee = 1 + [left for left, _ in joints.pairs].index(self.pitch[1])

@@ -91,11 +91,12 @@ def propose_walking_description(urdf: Path, folder: Path, name: str | None = Non
     Raises:
         RobotError: the URDF cannot be read, or its legs cannot walk so; `HypothesisError` names the hypothesis.
     """
-    draft, full, legs, urdf_text, notes = first_draft(urdf)
+    draft, full, legs, urdf_text, notes, doubts = first_draft(urdf)
     draft = replace(draft, name=name or draft.name)
     sole, trouble = measure_left_sole(full, posture_configuration(full, draft), draft, legs, urdf_text)
     ends = None if sole is None else (sole.heel, sole.toe)
     bent, found, undecided = _bent(draft, full, legs, ends, None)
+    undecided = doubts + undecided
     comments: dict[str, str] = {}
     sole, trouble = (
         measure_left_sole(full, posture_configuration(full, bent), bent, legs, urdf_text, found.com_x)

@@ -1,6 +1,7 @@
 """What proposals of descriptions are made of: reach, soles, reduction, numbers as a file has them."""
 
 import contextlib
+import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,12 +13,24 @@ import pinocchio as pin
 from frontal_biped.exceptions import HypothesisError, RobotError
 from frontal_biped.model.robot import Robot
 from frontal_biped.model.urdf.description import RobotDescription, Sole
-from frontal_biped.model.urdf.legs import Legs, find_legs
+from frontal_biped.model.urdf.legs import Legs, find_legs, look_like_arms, named_legs
 from frontal_biped.model.urdf.packages import EXAMPLE_ROBOT_DATA, example_robot_data_dir
 from frontal_biped.model.urdf.read import read_urdf
 from frontal_biped.model.urdf.reduction import FrontalReduction, reduce_to_frontal_plane
 from frontal_biped.model.urdf.soles import MeasuredSole, measure_sole
 from frontal_biped.model.urdf.whole_model import build_model
+
+SMALLEST_LEG, LARGEST_LEG = 0.01, 5.0
+"""Lengths of legs [m], and distances of hips, of robots that are taken for robots."""
+
+CENTIMETRE_LEG = 150.0
+"""Longest leg [m] of a file that is in centimetres; longer ones are in millimetres."""
+
+ANKLES_APART = 2e-3
+"""Distance [m] along x of the ankle roll joints' origins that soles measured from either may have."""
+
+CHANGED = 1e-3
+"""Difference [rad] from which on an angle is called another one than was given."""
 
 ZERO_ANGLE = 5e-5
 """Angles [rad] this small are left out of a proposed posture where the joint can be at zero."""
@@ -31,11 +44,13 @@ class Proposal:
         text: the file, with what was found and what not as comments at its head.
         undecided: what the user must settle before the robot can walk.
         folder: where the file belongs: its ``urdf`` is relative to it.
+        changed: what is no longer as the user had it.
     """
 
     text: str
     undecided: tuple[str, ...]
     folder: Path
+    changed: tuple[str, ...] = ()
 
 
 class FirstDraft(NamedTuple):
@@ -47,6 +62,7 @@ class FirstDraft(NamedTuple):
         legs: its legs.
         urdf_text: the URDF.
         notes: comment lines for the file.
+        undecided: what the user must settle.
     """
 
     description: RobotDescription
@@ -54,6 +70,7 @@ class FirstDraft(NamedTuple):
     legs: Legs
     urdf_text: str
     notes: list[str]
+    undecided: list[str]
 
 
 def first_draft(urdf: Path) -> FirstDraft:
@@ -66,7 +83,7 @@ def first_draft(urdf: Path) -> FirstDraft:
     name = urdf.stem
     draft = RobotDescription(name, urdf, {}, {}, Sole(0.0, 0.0), None, None, urdf)
     full = build_model(draft, text)
-    legs = find_legs(full, str(urdf))
+    legs = find_legs(full, str(urdf), _mimics(text))
     joints = {
         "left_ankle": legs.left[legs.roll[-1]],
         "left_hip": legs.left[legs.roll[0]],
@@ -79,25 +96,42 @@ def first_draft(urdf: Path) -> FirstDraft:
     if len(legs.roll) > 2:
         spare = ", ".join(legs.left[i] for i in legs.roll[1:-1])
         notes.append(f"of the leg's roll joints the first and the last are taken; {spare} is locked")
-    return FirstDraft(replace(draft, joints=joints, posture=reachable(full)), full, legs, text, notes)
+    undecided = []
+    if look_like_arms(full, legs):
+        undecided.append(
+            f"legs: {', '.join(legs.left)} hangs above the centre of mass of the rest, as an arm does; if these are no"
+            " legs, this is no biped"
+        )
+    apart = _ankles_apart(full, legs, joints)
+    if abs(apart) > ANKLES_APART:
+        undecided.append(
+            f"legs: the origin of {joints['right_ankle']} is {apart:+.3f} m ahead of that of {joints['left_ankle']},"
+            " and soles are measured from there; move it along its axis, and what hangs from it back"
+        )
+    return FirstDraft(replace(draft, joints=joints, posture=reachable(full)), full, legs, text, notes, undecided)
+
+
+def _ankles_apart(full: pin.Model, legs: Legs, joints: Mapping[str, str]) -> float:
+    """How far the right ankle roll joint has its origin ahead of the left one's, all joints at zero [m]."""
+    data, q = full.createData(), pin.neutral(full)
+    q[3:7] = pin.Quaternion(legs.upright).coeffs()
+    pin.forwardKinematics(full, data, q)
+    left, right = (data.oMi[full.getJointId(joints[f"{side}_ankle"])].translation[0] for side in ("left", "right"))
+    return float(right - left)
+
+
+def _mimics(urdf_text: str) -> set[str]:
+    joints = ElementTree.fromstring(urdf_text).findall("joint")
+    return {joint.get("name", "") for joint in joints if joint.find("mimic") is not None}
 
 
 def legs_of(description: RobotDescription, full: pin.Model) -> Legs:
-    """The robot's legs, if its described joints are theirs.
+    """The legs that the robot's described joints name.
 
     Raises:
-        RobotError: no legs are found, or a described joint is of neither, or of the wrong one.
+        HypothesisError: a described joint is of no leg, or of the wrong one, or the legs are no mirror images.
     """
-    legs = find_legs(full, str(description.urdf))
-    for side, names in (("left", legs.left), ("right", legs.right)):
-        for part in ("hip", "ankle"):
-            joint = description.joints[f"{side}_{part}"]
-            if joint not in names:
-                raise RobotError(
-                    f"{description.path}: [joints] {side}_{part} = {joint!r} is not of the {side} leg:"
-                    f" {', '.join(names)}"
-                )
-    return legs
+    return named_legs(full, description.joints, str(description.path))
 
 
 def reachable(full: pin.Model) -> dict[str, float]:
@@ -110,6 +144,13 @@ def reachable(full: pin.Model) -> dict[str, float]:
             if not low <= 0.0 <= high:
                 angles[name] = float(np.clip(0.0, low, high))
     return angles
+
+
+def changed_angles(given: Mapping[str, float], found: Mapping[str, float]) -> list[str]:
+    """Lines that say which angles of a posture are not those that were given [rad]."""
+    differ = {name: (old, found.get(name, 0.0)) for name, old in given.items()}
+    shown = [f"{name} from {old:g} to {new:g}" for name, (old, new) in differ.items() if abs(old - new) > CHANGED]
+    return [f"posture: {', '.join(shown)} rad"] if shown else []
 
 
 def rounded(full: pin.Model, draft: RobotDescription, found: Mapping[str, float]) -> dict[str, float]:
@@ -188,11 +229,26 @@ def reduce_draft(
             draft = replace(draft, symmetrise=True)
             share = 100.0 * reduction.asymmetry.mass_matrix
             comments["symmetrise"] = f"the legs differ by {share:.2g} % of the mass matrix"
+    if reduction is not None:
+        problems += _implausible(reduction)
     if reduction is not None and not draft.gait:
         hips = float(np.linalg.norm(reduction.chain.joints[2] - reduction.chain.joints[1]))
         draft = replace(draft, gait=_gait(hips))
         comments["gait"] = "used where no specification is given; step_width: 0.8 to 1.8 hip widths"
     return draft, problems
+
+
+def _implausible(reduction: FrontalReduction) -> list[str]:
+    """Sizes of no robot, in words; a URDF is in metres whatever the CAD program was in."""
+    ankle, hip, other = (reduction.chain.joints[i] for i in range(3))
+    leg, hips = float(np.linalg.norm(hip - ankle)), float(np.linalg.norm(other - hip))
+    if SMALLEST_LEG <= leg <= LARGEST_LEG and hips <= LARGEST_LEG:
+        return []
+    unit = "kilometres" if leg < SMALLEST_LEG else "centimetres" if leg <= CENTIMETRE_LEG else "millimetres"
+    return [
+        f"sizes: hips {hips:.3g} m apart, legs {leg:.3g} m long; is the file in {unit}? A URDF is in metres: scale its"
+        " <origin xyz>, shapes and inertias"
+    ]
 
 
 def _gait(hip_width: float) -> dict[str, Any]:

@@ -1,9 +1,10 @@
 """Joints that move a robot in its sagittal plane: those of both legs, as mirror images, and the pitch of the torso."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.urdf.legs import Legs
@@ -52,6 +53,21 @@ class MirroredJoints:
     def at_start(self) -> FloatArray:
         """The posture x at the start, the pelvis upright."""
         return np.concatenate([[0.0], self.start[self.address]])
+
+    def followed(self, names: Collection[str]) -> tuple[FloatArray, NDArray[np.bool_]]:
+        """The posture x at the start, and which of its entries belong to joints with given names.
+
+        Where only the right one of a pair is named, its angle at the start is taken for both.
+        """
+        x, named = self.at_start, np.zeros(self.at_start.size, dtype=bool)
+        for i, ((left, right), sign) in enumerate(zip(self.pairs, self.signs, strict=True), start=1):
+            is_left, is_right = (self.full.names[joint] in names for joint in (left, right))
+            named[i] = is_left or is_right
+            if is_right and not is_left:
+                x[i] = sign * self.start[self.full.joints[right].idx_q]
+        if self.torso is not None:
+            named[-1] = self.full.names[self.torso] in names
+        return x, named
 
     def configuration(self, x: FloatArray) -> FloatArray:
         """(nq,) configuration of a posture x."""

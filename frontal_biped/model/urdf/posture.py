@@ -4,7 +4,7 @@ Legs whose hip roll joint hangs below the hip pitch joint (g1, icub, human) have
 hip pitch only. The pitch joints of both legs move as mirror images; the pelvis and the torso may lean.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,9 @@ ALIGNED = 1e-5
 """Angle [rad] to which axes and feet must come; URDFs that print six digits allow no better."""
 
 SEARCH_STEPS = 60
+
+HELD = 1e-8
+"""How far [rad] a joint that is kept may move during the search, which wants room between limits."""
 
 
 @dataclass(frozen=True)
@@ -59,8 +62,11 @@ def find_posture(
     roll_joints: Mapping[str, str],
     start: FloatArray,
     sole_x: tuple[float, float] | None = None,
+    kept: Collection[str] = (),
 ) -> Posture:
     """The nearest posture with parallel roll axes, flat feet, and the centre of mass over the middle of the soles.
+
+    Joints that are to be kept move only where nothing else puts feet flat, axes parallel and the robot in balance.
 
     Args:
         full: 3D model with a free-flyer root.
@@ -68,8 +74,9 @@ def find_posture(
         roll_joints: the four roll joints.
         start: (nq,) posture to stay close to; the root's rotation is replaced.
         sole_x: heel and toe, from the ankle roll joint [m]; None: unknown.
+        kept: joints that stay at the start if they can; of a pair, if only one is named, the other follows it.
     """
-    search = _Search(MirroredJoints(full, legs, roll_joints, start), sole_x)
+    search = _Search(MirroredJoints(full, legs, roll_joints, start), sole_x, kept)
     best = search.solve()
     return search.posture(best)
 
@@ -77,8 +84,9 @@ def find_posture(
 class _Search:
     """Weighted least squares; alignment weighs so much that what remains of it is rounding."""
 
-    def __init__(self, joints: MirroredJoints, sole_x: tuple[float, float] | None) -> None:
+    def __init__(self, joints: MirroredJoints, sole_x: tuple[float, float] | None, kept: Collection[str]) -> None:
         self.joints, self.sole_x = joints, sole_x
+        self.start, self.held = joints.followed(kept)
 
     def residual(self, x: FloatArray) -> FloatArray:
         q = self.joints.configuration(x)
@@ -89,23 +97,40 @@ class _Search:
             quarter = 0.25 * (toe - heel)
             com = self.joints.com_x(q)
             lean = (com - np.clip(com, heel + quarter, toe - quarter)) / (toe - heel)
-        stay = x[1:] - self.joints.at_start[1:]
+        stay = x[1:] - self.start[1:]
         return np.concatenate([1e4 * axes, 1e4 * turns, [3.0 * lean], x[:1], 0.05 * stay])
 
     def solve(self) -> FloatArray:
         low, high = self.joints.bounds()
+        if self.held.any():
+            held_low, held_high = low.copy(), high.copy()
+            at = np.clip(self.start, low, high)[self.held]
+            held_low[self.held], held_high[self.held] = at - HELD, at + HELD
+            x, done = self._solve_upright_first(held_low, held_high)
+            x[self.held] = at
+            if done:
+                return self._align(x, held_low, held_high)
+        return self._solve_upright_first(low, high)[0]
+
+    def _solve_upright_first(self, low: FloatArray, high: FloatArray) -> tuple[FloatArray, bool]:
+        """A posture, and whether it is all that it should be."""
         upright_low, upright_high = low.copy(), high.copy()
         upright_low[0], upright_high[0] = -LIMIT_MARGIN, LIMIT_MARGIN
         x = self._solve_between(upright_low, upright_high)  # an upright pelvis, where it will do
         x[0] = 0.0
         x = self._align(x, upright_low, upright_high)
+        if not self._good(x):
+            x = self._solve_between(low, high)
+        return x, self._good(x)
+
+    def _good(self, x: FloatArray) -> bool:
         found = self.posture(x)
-        return x if found.aligned and found.balanced else self._solve_between(low, high)
+        return found.aligned and found.balanced
 
     def _solve_between(self, low: FloatArray, high: FloatArray) -> FloatArray:
         from scipy.optimize import least_squares
 
-        x = np.clip(self.joints.at_start, low + 1e-9, high - 1e-9)
+        x = np.clip(self.start, low + 1e-9, high - 1e-9)
         for _ in range(3):  # again from its own end: the weights are far apart
             found = least_squares(
                 self.residual, x, bounds=(low, high), xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=SEARCH_STEPS

@@ -10,6 +10,7 @@ from frontal_biped.model.urdf.description import RobotDescription, Sole, read_de
 from frontal_biped.model.urdf.description_text import description_text
 from frontal_biped.model.urdf.draft import (
     Proposal,
+    changed_angles,
     described,
     first_draft,
     legs_of,
@@ -36,18 +37,19 @@ def propose_description(urdf: Path) -> Proposal:
         RobotError: the URDF cannot be read, or it is no biped that can walk in its frontal plane; `HypothesisError`
             names the hypothesis.
     """
-    draft, full, legs, text, notes = first_draft(urdf)
+    draft, full, legs, text, notes, undecided = first_draft(urdf)
     notes.append(
         "armature: a URDF does not tell the rotors' reflected inertia; add [armature] ankle, hip (kg m^2) if known"
     )
-    return _complete(draft, full, legs, text, notes, [])
+    return _complete(draft, full, legs, text, notes, undecided)
 
 
 def propose_posture(path: Path) -> Proposal:
     """The description with another posture: roll axes parallel to X, feet flat, centre of mass over the soles.
 
     Args:
-        path: the description file; its joints, sole, limits and gait are kept, its posture is where the search starts.
+        path: the description file; its joints, sole, limits and gait are kept, and the angles of its posture where feet
+            can be flat and the robot in balance with them.
 
     Raises:
         RobotError: description or URDF cannot be read, or no legs are found; `HypothesisError` names the hypothesis.
@@ -72,7 +74,9 @@ def _complete(
     """Posture, soles and what follows; ``keep`` is a description that has all but the posture."""
     start = posture_configuration(full, draft)
     sole, trouble = measure_left_sole(full, start, draft, legs, text)
-    posture = find_posture(full, legs, draft.joints, start, None if sole is None else (sole.heel, sole.toe))
+    given = {} if keep is None else keep.posture
+    ends = None if sole is None else (sole.heel, sole.toe)
+    posture = find_posture(full, legs, draft.joints, start, ends, tuple(given))
     draft = replace(draft, posture=rounded(full, draft, posture.angles), base_rpy=rounded_rpy(posture.base_rpy))
     notes.append(_posture_note(posture))
     if not posture.aligned:
@@ -97,9 +101,11 @@ def _complete(
             comments["sole"] = f"of one foot, m; measured on its {sole.source} shapes, under the centre of mass"
     draft, problems = reduce_draft(draft, full, text, comments, sole_known=keep is not None or sole is not None)
     undecided += problems
-    head = [*notes, *(f"NOT DECIDED: {line}" for line in undecided)]
+    changed = changed_angles(given, draft.posture)
+    head = [*notes, *(f"CHANGED: {line}" for line in changed), *(f"NOT DECIDED: {line}" for line in undecided)]
     folder = draft.urdf.parent if keep is None else keep.path.parent
-    return Proposal(description_text(draft, urdf_key(draft.urdf, folder), head, comments), tuple(undecided), folder)
+    file = description_text(draft, urdf_key(draft.urdf, folder), head, comments)
+    return Proposal(file, tuple(undecided), folder, tuple(changed))
 
 
 def _posture_note(posture: Posture) -> str:

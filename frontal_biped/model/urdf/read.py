@@ -12,6 +12,9 @@ from pathlib import Path, PurePosixPath
 from typing import Any, cast
 
 from frontal_biped.exceptions import RobotError
+from frontal_biped.files.names import require_utf8_name
+from frontal_biped.model.urdf.normal_form import normal_form
+from frontal_biped.model.urdf.numbers_of_text import number_texts, numbers
 
 MAX_URDF_BYTES = 20_000_000  # the largest humanoid URDF seen is 0.3 MB
 MAX_LINKS = 1000  # the largest humanoid URDF seen has 150; Pinocchio takes seconds for some thousands
@@ -27,12 +30,13 @@ def read_urdf(path: Path) -> str:
         path: the URDF file.
 
     Returns:
-        The text, ready for Pinocchio: a link that bears the name of a joint is called ``..._link`` in it.
+        The text, ready for Pinocchio: in the form of `normal_form`.
 
     Raises:
-        RobotError: the file is missing, too large, not XML, declares XML entities, or its links, joints,
-            masses or numbers are inconsistent.
+        RobotError: the file is missing, too large, not XML, still a xacro file, declares XML entities, or its links,
+            joints, masses or numbers are inconsistent; or the name of the file is not UTF-8.
     """
+    require_utf8_name(path, RobotError)
     if not path.is_file():
         raise RobotError(f"{path}: no such URDF file; check the path, or see `frontal-biped robots`")
     if path.stat().st_size > MAX_URDF_BYTES:
@@ -46,15 +50,21 @@ def read_urdf(path: Path) -> str:
     try:
         root = _parse(path, text)
     except ElementTree.ParseError as error:
+        if "xacro:" in text and "unbound prefix" in str(error):
+            raise _is_xacro(path) from None
         raise RobotError(f"{path}: not well-formed XML, {error}; mend the file there") from None
     if root.tag != "robot":
         raise RobotError(f"{path}: the root element is <{root.tag}>, not <robot>; is this a URDF file?")
+    if _has_xacro(root):
+        raise _is_xacro(path)
     if not root.get("name"):
         raise RobotError(f'{path}: the <robot> has no name; write <robot name="...">')
+    for where, element, key, count in number_texts(str(path), root):
+        numbers(where, element, key, count)
     _check_links(path, root)
     _check_joints(path, root)
     _check_mesh_paths(path, root)
-    return _with_links_renamed(root) or text
+    return normal_form(text, root)
 
 
 def _parse(path: Path, text: str) -> ElementTree.Element:
@@ -75,6 +85,19 @@ def _parse(path: Path, text: str) -> ElementTree.Element:
     return root
 
 
+def _has_xacro(root: ElementTree.Element) -> bool:
+    """Are there macros left to expand? That the prefix is declared says nothing: expanded files declare it too."""
+    if any(isinstance(element.tag, str) and "xacro}" in element.tag for element in root.iter()):
+        return True
+    parts = [*root.findall("link"), *root.findall("joint")]
+    values = [value for part in parts for element in part.iter() for value in element.attrib.values()]
+    return any("${" in value or "$(" in value for value in values)
+
+
+def _is_xacro(path: Path) -> RobotError:
+    return RobotError(f"{path}: this is a xacro file; run `xacro {path.name} > robot.urdf` first, and give robot.urdf")
+
+
 def _check_links(path: Path, root: ElementTree.Element) -> None:
     names = [link.get("name", "") for link in root.findall("link")]
     duplicates = sorted(name for name, count in Counter(names).items() if count > 1)
@@ -88,16 +111,16 @@ def _check_links(path: Path, root: ElementTree.Element) -> None:
         inertial = link.find("inertial")
         if inertial is None:
             continue
-        _numbers(where, inertial.find("origin"), "xyz", 3)
-        _numbers(where, inertial.find("origin"), "rpy", 3)
-        mass = _numbers(where, inertial.find("mass"), "value", 1)
+        numbers(where, inertial.find("origin"), "xyz", 3)
+        numbers(where, inertial.find("origin"), "rpy", 3)
+        mass = numbers(where, inertial.find("mass"), "value", 1)
         if mass and mass[0] < 0.0:
             raise RobotError(f"{where}: mass {mass[0]:g} kg is negative; give a positive mass")
         if not mass:
             raise RobotError(f"{where}: its <inertial> has no <mass value=...>; give one, or drop the <inertial>")
         inertia = inertial.find("inertia")
         for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz"):
-            moment = _numbers(where, inertia, key, 1)
+            moment = numbers(where, inertia, key, 1)
             if not moment:  # the parser would drop the whole inertia and say so on the C-level standard error only
                 raise RobotError(f"{where}: its <inertia> has no {key}; give all six, 0 where there is none")
             if key[1] == key[2] and moment[0] < -ROUNDING_INERTIA:
@@ -127,13 +150,13 @@ def _check_joints(path: Path, root: ElementTree.Element) -> None:
         if ends[1] in parent_of:
             raise RobotError(f"{where}: link {ends[1]!r} already has a parent; a URDF is a tree, remove one joint")
         parent_of[ends[1]] = ends[0]
-        _numbers(where, joint.find("origin"), "xyz", 3)
-        _numbers(where, joint.find("origin"), "rpy", 3)
-        axis = _numbers(where, joint.find("axis"), "xyz", 3)
+        numbers(where, joint.find("origin"), "xyz", 3)
+        numbers(where, joint.find("origin"), "rpy", 3)
+        axis = numbers(where, joint.find("axis"), "xyz", 3)
         if axis and joint.get("type") not in ("fixed", "floating") and math.hypot(*axis) == 0.0:
             raise RobotError(f"{where}: its axis is zero; give a direction, for a roll joint '1 0 0'")
         limit = joint.find("limit")
-        limits = {key: _numbers(where, limit, key, 1) for key in ("lower", "upper", "effort", "velocity")}
+        limits = {key: numbers(where, limit, key, 1) for key in ("lower", "upper", "effort", "velocity")}
         if joint.get("type") in ("revolute", "prismatic"):
             for key in ("effort", "velocity"):
                 if not limits[key]:
@@ -168,39 +191,3 @@ def _check_mesh_paths(path: Path, root: ElementTree.Element) -> None:
                 f"{path}: mesh {name!r} leaves the robot's package; keep meshes beside the URDF's folder and name them"
                 " package://package/meshes/..."
             )
-
-
-def _with_links_renamed(root: ElementTree.Element) -> str | None:
-    """The text in which no link bears a joint's name, which Pinocchio cannot tell apart; None: there is none."""
-    joints = {joint.get("name", "") for joint in root.findall("joint")}
-    links = {link.get("name", "") for link in root.findall("link")}
-    if not joints & links:
-        return None
-    renamed = {}
-    for name in sorted(joints & links):
-        new = f"{name}_link"
-        while new in links | joints:
-            new += "_"
-        links.add(new)
-        renamed[name] = new
-    for link in root.findall("link"):
-        link.set("name", renamed.get(link.get("name", ""), link.get("name", "")))
-    for joint in root.findall("joint"):
-        for end in (*joint.findall("parent"), *joint.findall("child")):
-            end.set("link", renamed.get(end.get("link", ""), end.get("link", "")))
-    return ElementTree.tostring(root, encoding="unicode")
-
-
-def _numbers(where: str, element: ElementTree.Element | None, key: str, count: int) -> list[float]:
-    """Finite numbers of an attribute, [] where it is absent."""
-    text = None if element is None else element.get(key)
-    if text is None:
-        return []
-    try:
-        values = [float(word) for word in text.split()]
-    except ValueError:
-        values = []
-    if len(values) != count or not all(math.isfinite(value) for value in values):
-        wanted = "a finite number" if count == 1 else f"{count} finite numbers"
-        raise RobotError(f"{where}: {key}={text!r} is not {wanted}")
-    return values

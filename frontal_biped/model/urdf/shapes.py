@@ -8,6 +8,7 @@ import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
+from frontal_biped.model.urdf.packages import found_meshes
 
 IntArray = npt.NDArray[np.int64]
 
@@ -17,8 +18,7 @@ def build_shapes(model: pin.Model, urdf: Path, urdf_text: str, kind: pin.Geometr
 
     Args:
         model: the whole robot, or with joints locked.
-        urdf: the file; ``package://name/...`` is looked up in every folder above it, where descriptions live
-            whatever the installer, and relative paths beside it.
+        urdf: the file; meshes are looked up around it, see `found_meshes`.
         urdf_text: its text, or a part of it.
         kind: visual or collision shapes.
 
@@ -27,10 +27,13 @@ def build_shapes(model: pin.Model, urdf: Path, urdf_text: str, kind: pin.Geometr
     """
     folders = [str(folder) for folder in urdf.resolve().parents]
     try:
-        return pin.buildGeomFromUrdfString(model, urdf_text, kind, package_dirs=folders)
+        return pin.buildGeomFromUrdfString(model, found_meshes(urdf, urdf_text), kind, package_dirs=folders)
     except (ValueError, RuntimeError) as error:
-        reason = " ".join(str(error).split())
-        raise RobotError(f"{urdf}: {reason}; searched {folders[0]} and the folders above it") from None
+        reason = " ".join(str(error).split()).rstrip(".")
+        raise RobotError(
+            f"{urdf}: {reason}; searched {folders[0]} and the folders above it, with and without the package's name;"
+            " put the package there, or its parent folder into ROS_PACKAGE_PATH (its prefix into AMENT_PREFIX_PATH)"
+        ) from None
 
 
 def shape_points(shape: pin.GeometryObject) -> FloatArray:

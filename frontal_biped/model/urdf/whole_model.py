@@ -9,6 +9,7 @@ import pinocchio as pin
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
 from frontal_biped.model.urdf.description import RobotDescription
+from frontal_biped.model.urdf.inertia_check import check_inertias
 
 ROOT = "root_joint"
 
@@ -17,7 +18,7 @@ def build_model(description: RobotDescription, urdf_text: str) -> pin.Model:
     """3D model of a URDF with a free-flyer root and the URDF's limits.
 
     Raises:
-        RobotError: Pinocchio cannot read the URDF.
+        RobotError: Pinocchio cannot read the URDF, or reads other inertias than it gives.
     """
     try:
         full = pin.buildModelFromXML(urdf_text, pin.JointModelFreeFlyer())
@@ -25,6 +26,7 @@ def build_model(description: RobotDescription, urdf_text: str) -> pin.Model:
         reason = " ".join(str(error).split())
         raise RobotError(f"{description.urdf}: Pinocchio cannot read it, {reason}; check it with check_urdf") from None
     full.name = description.name
+    check_inertias(str(description.urdf), full, urdf_text)
     return full
 
 
