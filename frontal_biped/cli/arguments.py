@@ -1,12 +1,16 @@
 """Types of arguments, and the arguments that several commands take."""
 
 import argparse
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 Arguments = argparse._ActionsContainer
 """A parser, or a group of its arguments."""
+
+
+_SHIPPED = "the name of a packaged gait"
 
 
 # ------------------------------------------------------------- shared arguments
@@ -17,12 +21,13 @@ def add_value(to: Arguments, option: str, metavar: str, kind: Callable[[str], An
 
 def add_gait(to: Arguments) -> None:
     """The gait file to work on."""
-    to.add_argument("gait", metavar="G.json", type=Path, help="gait file")
+    to.add_argument("gait", metavar="G.json", type=Path, help=f"gait file, or {_SHIPPED}")
 
 
-def add_source(to: Arguments) -> None:
-    """The gait or run file to show."""
-    to.add_argument("source", metavar="G.json|RUN.npz", type=Path, help="gait or run file")
+def add_source(to: Arguments, robot: bool = False) -> None:
+    """The gait or run file to show, or also a robot."""
+    also = "; or a robot, by name or file" if robot else f", or {_SHIPPED}"
+    to.add_argument("source", metavar="G.json|RUN.npz", type=Path, help=f"gait or run file{also}")
 
 
 def add_robot(to: Arguments, default: str | None = None) -> None:
@@ -47,12 +52,47 @@ def add_verbose(to: Arguments) -> None:
     to.add_argument("-v", "--verbose", action="store_true", help="add the tables")
 
 
+def add_output(to: Arguments, metavar: str, meaning: str) -> None:
+    """``-o`` of one file, whose ending is the one of ``metavar``."""
+    to.add_argument("-o", "--output", metavar=metavar, type=file_ending(Path(metavar).suffix), help=meaning)
+
+
+def add_page(to: Arguments, meaning: str) -> None:
+    """``--html``."""
+    to.add_argument("--html", metavar="PAGE.html", type=file_ending(".html"), help=meaning)
+
+
 def add_no_open(to: Arguments) -> None:
     """``--no-open``, of what is shown in a browser."""
     to.add_argument("--no-open", action="store_true", help="do not open a browser, only print the address")
 
 
 # ------------------------------------------------------------------------ types
+def file_ending(ending: str) -> Callable[[str], Path]:
+    """The type of a file to write whose name must end as its content does."""
+
+    def file(text: str) -> Path:
+        path = Path(text)
+        if path.is_dir() or text.endswith(("/", os.sep)):
+            raise argparse.ArgumentTypeError(f"{text!r} is a directory; name a file in it that ends in {ending}")
+        if path.suffix.lower() != ending:
+            raise argparse.ArgumentTypeError(f"{text!r} does not end in {ending}; write {path.with_suffix(ending)}")
+        return path
+
+    return file
+
+
+def folder(text: str) -> Path:
+    """A folder to write into; a name that ends as a file does is taken for a mistake."""
+    path = Path(text)
+    if path.suffix.lower() in _FILE_ENDINGS and not path.is_dir():
+        raise argparse.ArgumentTypeError(f"{text!r} ends as a file does; write the folder, {path.with_suffix('')}")
+    return path
+
+
+_FILE_ENDINGS = (".npz", ".json", ".csv", ".html", ".svg", ".pdf", ".png", ".gif", ".toml", ".urdf", ".txt", ".xml")
+
+
 def positive_int(text: str) -> int:
     """1, 2, ..."""
     try:

@@ -1,9 +1,8 @@
 """`frontal-biped demo`."""
 
 import argparse
-from pathlib import Path
 
-from frontal_biped.cli.arguments import add_json, add_robot, add_value
+from frontal_biped.cli.arguments import add_json, add_robot, add_value, folder
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
 from frontal_biped.cli.output import emit
 from frontal_biped.cli.progress import Progress
@@ -14,7 +13,7 @@ EXAMPLE = "frontal-biped demo --out demo"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Folder, robot, JSON."""
-    add_value(parser, "--out", "DIR", Path, "demo", "folder to write")
+    add_value(parser, "--out", "DIR", folder, "demo", "folder to write")
     add_robot(parser, "frontal_biped")
     add_json(parser)
 

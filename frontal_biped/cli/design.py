@@ -1,21 +1,28 @@
 """`frontal-biped design`."""
 
 import argparse
+import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from frontal_biped.cli.arguments import add_json, add_robot, add_value, positive_int
+from frontal_biped.cli.arguments import add_json, add_output, add_robot, add_value, add_verbose, positive_int
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
-from frontal_biped.cli.output import emit, require_output
+from frontal_biped.cli.output import emit, free_path, report, require_output
 from frontal_biped.cli.progress import Progress
 
 if TYPE_CHECKING:
     from frontal_biped.design.optimise import DesignResult
+    from frontal_biped.gait.check import ConstraintReport
     from frontal_biped.model.biped import FrontalBiped
 
 SUMMARY = "Design a gait: minimise J under C01 to C09."
-EXAMPLE = "frontal-biped design --robot frontal_biped --spec spec.toml -o gait.json"
+EXAMPLE = "frontal-biped design --robot frontal_biped --spec robust -o gait.json"
+
+_OUTPUT = (
+    "gait file to write; default: gait.json beside the robot's description, of a packaged robot here, or where that is"
+    " taken gait-2.json, gait-3.json, ..."
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +34,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--start", metavar="G.json", type=Path, help="gait to start from; default: a swayed stand")
     starts = "designs from as many starts, random but the first; the cheapest gait is kept"
     add_value(parser, "--attempts", "N", positive_int, "1", starts)
-    parser.add_argument("-o", "--output", metavar="G.json", type=Path, help="gait file to write")
+    add_output(parser, "G.json", _OUTPUT)
+    add_verbose(parser)
     add_json(parser)
 
 
@@ -42,6 +50,8 @@ def run(arguments: argparse.Namespace) -> int:
     require_output(arguments.output, arguments.spec, arguments.start, robot=arguments.robot)
     biped = load_robot(arguments.robot)
     specification = default_specification(biped) if arguments.spec is None else load_specification(arguments.spec)
+    output = arguments.output or free_path(_place(biped) / "gait.json")
+    require_output(output)
     with Progress("designing:") as progress:
 
         def show(iteration: int, cost: float, violation: float) -> None:
@@ -52,13 +62,21 @@ def run(arguments: argparse.Namespace) -> int:
     if result.gait is None:
         sys.stderr.write(f"frontal-biped: no gait: {biped.name}: {result.message}\n")
         return TASK_FAILED
-    if arguments.output is not None:
-        save_gait(result.gait, arguments.output)
-    emit(arguments, *_report(biped, result, arguments.output))
+    save_gait(result.gait, output)
+    emit(arguments, *_report(arguments, biped, result, output))
     return SUCCESS
 
 
-def _report(biped: "FrontalBiped", result: "DesignResult", output: Path | None) -> tuple[dict[str, object], str]:
+def _place(biped: "FrontalBiped") -> Path:
+    """Folder of a gait that is not told where."""
+    from frontal_biped.model.catalogue import is_packaged
+
+    return Path() if is_packaged(biped.path) else biped.path.parent
+
+
+def _report(
+    arguments: argparse.Namespace, biped: "FrontalBiped", result: "DesignResult", output: Path
+) -> tuple[dict[str, object], str]:
     """For JSON, and as text."""
     table = {
         "success": result.success,
@@ -66,12 +84,39 @@ def _report(biped: "FrontalBiped", result: "DesignResult", output: Path | None) 
         "iterations": result.iterations,
         "evaluations": result.evaluations,
         "seconds": result.seconds,
-        "output": None if output is None else str(output),
+        "output": str(output),
         "asymmetry": biped.asymmetry.as_dict(),
         "constraints": None if result.report is None else result.report.as_dict(),
     }
+    gait = result.gait
+    assert gait is not None
+    reached = (
+        f"{biped.name}: {result.message}; steps of {gait.orbit.step_duration:.3g} s and {gait.step_width:.3g} m;"
+        f" written to {output}"
+    )
+    lines = [reached, *([] if result.report is None else _needs(result.report))]
     share = 100.0 * biped.asymmetry.mass_matrix
     legs = f"\nlegs averaged; they differ by {share:.2g} % of the mass matrix" if biped.asymmetry.differences else ""
     effort = f"{result.iterations} iterations, {result.evaluations} evaluations, {result.seconds:.2f} s"
-    saved = f"written to {output}" if output is not None else "not saved; add -o gait.json"
-    return table, f"{result.report}\n\n{biped.name}: {result.message}{legs}\n{effort}; {saved}"
+    return table, report(arguments, lines, [f"{result.report}\n\n{effort}{legs}"], [])
+
+
+def _needs(checked: "ConstraintReport") -> list[str]:
+    """The bound that is nearest, and what the motors must do."""
+    from frontal_biped.model.chain import JOINTS
+
+    tightest = min(checked.checks, key=lambda check: check.margin / check.scale)
+    motors = []
+    for what, row in (("torque", r"torque u_(\d)"), ("speed", r"\|dq_(\d)/dt\|")):
+        rows = [check for check in checked.checks if re.match(row, check.name)]
+        if rows:
+            most = max(rows, key=lambda check: abs(check.value / check.bound))
+            joint = JOINTS[int(re.match(row, most.name)[1]) - 1]  # type: ignore[index]
+            value, limit = abs(most.value), abs(most.bound)
+            motors.append(
+                f"{what} of the {joint} {value:.3g} of {limit:.3g} {most.unit}, {100.0 * value / limit:.0f} %"
+            )
+    return [
+        f"tightest  {tightest.code} {tightest.name}: {tightest.value:.4g}, bound {tightest.bound:.4g} {tightest.unit}",
+        f"motors    {'; '.join(motors)}",
+    ]

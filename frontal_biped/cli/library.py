@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from frontal_biped.cli.arguments import add_jobs, add_json
+from frontal_biped.cli.arguments import add_jobs, add_json, folder
 from frontal_biped.cli.exit_status import SUCCESS
 from frontal_biped.cli.output import emit
 from frontal_biped.cli.progress import Progress
@@ -15,7 +15,7 @@ EXAMPLE = "frontal-biped library sweep.toml -o gaits --jobs 2"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Grid, folder, who designs."""
     parser.add_argument("sweep", metavar="SWEEP.toml", type=Path, help="robots, shared keys and axes of the grid")
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="folder of the library")
+    parser.add_argument("-o", "--output", metavar="DIR", type=folder, required=True, help="folder of the library")
     where = parser.add_mutually_exclusive_group()
     add_jobs(where)
     where.add_argument("--dask", metavar="ADDRESS", help="address of a Dask scheduler instead, tcp://host:8786")

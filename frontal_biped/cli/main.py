@@ -4,12 +4,13 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
-from typing import NoReturn, Protocol
+from typing import Any, NoReturn, Protocol
 
 from frontal_biped.cli import analyze, demo, design, export, library, plot, robots, simulate, studio, trial, view, walk
 from frontal_biped.cli.exit_status import TASK_FAILED, USAGE
 from frontal_biped.exceptions import FrontalBipedError
 from frontal_biped.files.names import require_utf8_name
+from frontal_biped.files.spelling import respelt
 from frontal_biped.version import __version__
 
 
@@ -44,12 +45,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     parser = make_parser()
     try:
-        for word in sys.argv[1:] if argv is None else argv:
+        words = sys.argv[1:] if argv is None else argv
+        for word in words:
             require_utf8_name(word, FrontalBipedError)
     except FrontalBipedError as error:
         return _complain(str(error))
     try:
-        arguments = parser.parse_args(argv)
+        arguments = parser.parse_args(_respelt_command(words))
     except SystemExit as stop:  # argparse: --help, --version, or a usage error it has printed
         return int(stop.code or 0)
     if arguments.command is None:
@@ -73,6 +75,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _complain("interrupted; nothing was left half-written")
 
 
+def _respelt_command(words: Sequence[str]) -> list[str]:
+    """The command line, its command spelt the way it is listed: `analyse` is `analyze`."""
+    names = [_name(command) for command in COMMANDS]
+    first = next((i for i, word in enumerate(words) if not word.startswith("-")), len(words))
+    return [respelt(word, names) if i == first else word for i, word in enumerate(words)]
+
+
+def _name(command: Command) -> str:
+    return command.__name__.rpartition(".")[2]
+
+
 def _complain(message: str) -> int:
     sys.stderr.write(f"frontal-biped: error: {' '.join(message.split())}\n")
     return USAGE
@@ -80,6 +93,17 @@ def _complain(message: str) -> int:
 
 class _Parser(argparse.ArgumentParser):
     """A parser whose complaint is one line; argparse would print the usage before it, up to eight lines."""
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Options may be spelt the British or the American way."""
+        known = [option for option in self._option_string_actions if option.startswith("--")]
+        words = [self._respelt(word, known) for word in (sys.argv[1:] if args is None else args)]
+        return super().parse_known_args(words, namespace)
+
+    @staticmethod
+    def _respelt(word: str, known: list[str]) -> str:
+        name, equals, value = word.partition("=")
+        return f"{respelt(name, known)}{equals}{value}" if name.startswith("--") else word
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and where the arguments are listed."""
@@ -110,7 +134,7 @@ def make_parser() -> argparse.ArgumentParser:
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND")
     for command in COMMANDS:
         own = subparsers.add_parser(
-            command.__name__.rpartition(".")[2],
+            _name(command),
             help=command.SUMMARY,
             description=command.SUMMARY,
             epilog=f"example: {command.EXAMPLE}",

@@ -2,9 +2,8 @@
 
 import argparse
 import sys
-from pathlib import Path
 
-from frontal_biped.cli.arguments import add_robot, add_source, add_value, figure_formats
+from frontal_biped.cli.arguments import add_robot, add_source, add_value, figure_formats, folder
 from frontal_biped.cli.exit_status import SUCCESS
 
 SUMMARY = "Write the paper's figures and more; of a walk in space footsteps, pressure, limits and speed."
@@ -16,7 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_source(parser)
     add_robot(parser)
     parser.add_argument(
-        "-o", "--output", metavar="DIR", type=Path, default="figures", help="folder; default: %(default)s"
+        "-o", "--output", metavar="DIR", type=folder, default="figures", help="folder; default: %(default)s"
     )
     add_value(parser, "--format", "F,F", figure_formats, "svg,png", "svg, pdf, png, or several with commas")
 

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any
 from frontal_biped.cli.arguments import (
     add_gait,
     add_json,
+    add_output,
     add_robot,
     add_value,
+    add_verbose,
     finite_float,
     not_negative_float,
     positive_float,
@@ -16,14 +18,14 @@ from frontal_biped.cli.arguments import (
     whole_number,
 )
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
-from frontal_biped.cli.output import emit, require_output
+from frontal_biped.cli.output import emit, report, require_output
 from frontal_biped.cli.progress import Progress
 
 if TYPE_CHECKING:
     from frontal_biped.simulation.trajectory import Trajectory
 
 SUMMARY = "Walk a gait in the full model under the QP controller; exit status 1 if the robot falls."
-EXAMPLE = "frontal-biped simulate gait.json --steps 20 -o run.npz"
+EXAMPLE = "frontal-biped simulate g1 --steps 20 -o run.npz"
 
 _ENGINES = (
     "mujoco: MuJoCo's contact, and a walker that sees sensor readings only (extra mujoco); both: that walker in MuJoCo"
@@ -52,7 +54,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_value(parser, "--encoder-noise", "S", not_negative_float, "0", "standard deviation, rad")
     add_value(parser, "--torque-noise", "S", not_negative_float, "0", "standard deviation, relative")
     add_value(parser, "--seed", "N", whole_number, "0", "of the noise")
-    parser.add_argument("-o", "--output", metavar="RUN.npz", type=Path, help="run file to write")
+    add_output(parser, "RUN.npz", "run file to write")
+    add_verbose(parser)
     add_json(parser)
 
 
@@ -61,6 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
     from dataclasses import replace
 
     from frontal_biped.analysis.cross_check import cross_check
+    from frontal_biped.analysis.walk_summary import walk_summary
     from frontal_biped.cli.sources import load_walker
     from frontal_biped.exceptions import SimulationError
     from frontal_biped.simulation.disturbances import Disturbances
@@ -108,7 +112,10 @@ def run(arguments: argparse.Namespace) -> int:
         save_trajectory(runs[engine], path)
     names = [str(path) for path in written.values()]
     table["output"] = names[0] if len(names) == 1 else names or None
-    emit(arguments, table, text)
+    summaries = {engine: walk_summary(biped, gait, run, arguments.steps) for engine, run in runs.items()}
+    table |= next(iter(summaries.values())).as_dict()
+    head = [f"{engine}: {summary}" if len(runs) > 1 else str(summary) for engine, summary in summaries.items()]
+    emit(arguments, table, report(arguments, head, [text], names))
     return SUCCESS if walked else TASK_FAILED
 
 
@@ -138,9 +145,7 @@ def _summary(run: "Trajectory") -> dict[str, Any]:
 
 def _text(run: "Trajectory") -> str:
     table = _summary(run)
-    fate = "walked" if not run.fell else f"FELL ({run.outcome}) after"
     return (
-        f"{run.robot}: {fate} {run.steps_completed} steps in {table['duration']:.2f} s\n"
         f"worst output error        {table['worst_output_error']:.3e} rad\n"
         f"worst post-impact change  {table['worst_post_impact_error']:.3e} (rad, rad/s)\n"
         f"largest torque            {table['largest_torque']:.2f} N m\n"

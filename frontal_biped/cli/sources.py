@@ -7,14 +7,15 @@ from typing import NamedTuple
 
 from frontal_biped.cli.progress import Progress
 from frontal_biped.exceptions import FrontalBipedError, GaitFileError
-from frontal_biped.files.archive import archive_format
+from frontal_biped.files.kinds import RUN, SPACE_RUN, archive_format
 from frontal_biped.gait.file import gait_from_dict, load_gait
 from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.robot_path import description_file
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.catalogue import load_robot
+from frontal_biped.model.catalogue import load_robot, robot_names
 from frontal_biped.model.space.free_robot import FreeRobot
 from frontal_biped.simulation.orbit import orbit_trajectory
-from frontal_biped.simulation.space.run import KIND, SpatialRun, load_spatial_run
+from frontal_biped.simulation.space.run import SpatialRun, load_spatial_run
 from frontal_biped.simulation.trajectory import Trajectory, load_trajectory
 from frontal_biped.simulation.walking import simulate
 
@@ -50,19 +51,20 @@ def load_source(path: Path, robot: str | None, run_of: Callable[[FrontalBiped, G
         robot: name or file of the robot; None: the one that the file names.
         run_of: makes a run of a gait.
     """
-    if path.suffix != ".npz":
+    if path.suffix != ".npz" and archive_format(path) != RUN:
         biped, gait = load_walker(path, robot)
         return Source(biped, gait, run_of(biped, gait))
     run = load_trajectory(path)
     if "format" in run.gait:
         gait = gait_from_dict(dict(run.gait), f"{path}: gait")
-        return Source(robot_of(gait, robot), gait, run)
+        return Source(robot_of(gait, robot, path), gait, run)
     return Source(_robot_of_run(path, run.robot, robot), None, run)
 
 
 def _robot_of_run(path: Path, named: str, robot: str | None) -> FrontalBiped:
+    beside = path.with_name(f"{Path(named).name}.toml")
     try:
-        return load_robot(robot or named)
+        return load_robot(robot or (beside if beside.is_file() else named))
     except FrontalBipedError as error:
         if robot:
             raise
@@ -85,9 +87,14 @@ class SpatialSource(NamedTuple):
     orbit: Trajectory | None
 
 
+def is_robot(path: Path) -> bool:
+    """Is it a robot, by name or file, rather than a gait or a run?"""
+    return path.suffix in (".toml", ".urdf") or (not path.is_file() and str(path) in robot_names())
+
+
 def is_spatial(path: Path) -> bool:
     """Is a file the run file of a walk in space?"""
-    return path.suffix == ".npz" and archive_format(path) == KIND.format
+    return archive_format(path) == SPACE_RUN
 
 
 def load_spatial_source(path: Path, robot: str | None) -> SpatialSource:
@@ -102,7 +109,7 @@ def load_spatial_source(path: Path, robot: str | None) -> SpatialSource:
     """
     run = load_spatial_run(path)
     gait = gait_from_dict(dict(run.gait), f"{path}: gait") if "format" in run.gait else None
-    biped = robot_of(gait, robot) if gait is not None else _robot_of_run(path, run.robot, robot)
+    biped = robot_of(gait, robot, path) if gait is not None else _robot_of_run(path, run.robot, robot)
     free = FreeRobot(biped.robot)
     if free.joint_names != run.joint_names:
         strange = set(free.joint_names) ^ set(run.joint_names)
@@ -122,20 +129,34 @@ def watched(path: Path, robot: str | None) -> tuple[FrontalBiped, Trajectory]:
 def load_walker(path: Path, robot: str | None) -> tuple[FrontalBiped, Gait]:
     """The gait of a file, and the robot that walks it."""
     gait = load_gait(path)
-    return robot_of(gait, robot), gait
+    return robot_of(gait, robot, path), gait
 
 
-def robot_of(gait: Gait, robot: str | None) -> FrontalBiped:
-    """The robot asked for, or the one the gait names; says so when it is not the one the gait was designed for."""
-    try:
-        biped = load_robot(robot or gait.robot.name)
-    except FrontalBipedError as error:
-        if robot:
-            raise
-        raise GaitFileError(f"the gait's robot cannot be loaded: {error}; name it with --robot") from None
+def robot_of(gait: Gait, robot: str | None, path: Path) -> FrontalBiped:
+    """The robot asked for, or the one the gait names; says so when it is not the one the gait was designed for.
+
+    Args:
+        gait: the gait.
+        robot: name or file of the robot; None: the one that the gait names.
+        path: of the gait or run file, for complaints.
+    """
+    biped = load_robot(robot) if robot else _named_robot(gait, path)
     if biped.fingerprint != gait.robot.fingerprint:
         sys.stderr.write(
             f"frontal-biped: warning: the gait was designed for {gait.robot.name!r} with another URDF or description"
             f" than {biped.path.name}\n"
         )
     return biped
+
+
+def _named_robot(gait: Gait, path: Path) -> FrontalBiped:
+    file = description_file(gait.robot.description)
+    if not file.is_file():
+        raise GaitFileError(
+            f"{path}: its robot {gait.robot.name!r} is not there: no {file}, no {file.name} beside {path.name}, and"
+            f" none that comes with the package; name it with --robot"
+        )
+    try:
+        return load_robot(file)
+    except FrontalBipedError as error:
+        raise GaitFileError(f"{path}: its robot cannot be loaded: {error}; name it with --robot") from None

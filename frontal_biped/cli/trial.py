@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from frontal_biped.cli.arguments import add_jobs, add_json, positive_int, whole_number
+from frontal_biped.cli.arguments import add_jobs, add_json, file_ending, folder, positive_int, whole_number
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
 from frontal_biped.cli.output import emit, require_output
 from frontal_biped.cli.progress import Progress
@@ -24,9 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", metavar="S", type=whole_number, help="of all trials; default: what each file says")
     parser.add_argument("--only", metavar="K", type=whole_number, help="only trial K, from 0, of each scenario")
     add_jobs(parser)
-    parser.add_argument("--junit", metavar="FILE", type=Path, help="write JUnit XML")
+    parser.add_argument("--junit", metavar="FILE.xml", type=file_ending(".xml"), help="write JUnit XML")
     parser.add_argument(
-        "--save", metavar="DIR", type=Path, help="keep a run file of every trial, for `view` and `plot`"
+        "--save", metavar="DIR", type=folder, help="keep a run file of every trial, for `view` and `plot`"
     )
     shown = parser.add_mutually_exclusive_group()
     shown.add_argument("--markdown", action="store_true", help="print the table as Markdown")
@@ -84,8 +84,10 @@ def run(arguments: argparse.Namespace) -> int:
     passed = all(result.passed for result in results)
     if arguments.junit is not None:
         write_junit(results, arguments.junit)
-    content = {"passed": passed, "scenarios": [result.as_dict() for result in results]}
-    emit(arguments, content, (markdown if arguments.markdown else table)(results))
+    written = [str(path) for path in (arguments.junit, arguments.save) if path is not None]
+    content = {"passed": passed, "scenarios": [result.as_dict() for result in results], "written": written}
+    told = "" if arguments.markdown else "".join(f"\nwritten: {path}" for path in written)
+    emit(arguments, content, (markdown if arguments.markdown else table)(results) + told)
     if arguments.save is not None and not arguments.json:
         sys.stderr.write(f"runs in {arguments.save}; watch one with `frontal-biped view {arguments.save}/NAME-0.npz`\n")
     return SUCCESS if passed else TASK_FAILED

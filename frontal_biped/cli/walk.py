@@ -7,18 +7,23 @@ from typing import TYPE_CHECKING, Any
 
 from frontal_biped.cli.arguments import (
     add_json,
+    add_output,
+    add_page,
     add_value,
+    add_verbose,
     finite_float,
+    folder,
     not_negative_float,
     positive_float,
     positive_int,
     whole_number,
 )
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
-from frontal_biped.cli.output import emit, require_output
+from frontal_biped.cli.output import emit, report, require_output
 from frontal_biped.cli.progress import Progress
 
 if TYPE_CHECKING:
+    from frontal_biped.gait.gait import Gait
     from frontal_biped.simulation.space.pushes import SpatialPush
     from frontal_biped.simulation.space.run import SpatialRun
 
@@ -57,9 +62,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_value(parser, "--ground", "H", not_negative_float, "0", "footholds within plus and minus this, m")
     add_value(parser, "--friction", "MU", positive_float, "0.8", "of the ground")
     add_value(parser, "--seed", "N", whole_number, "0", "of everything random")
-    parser.add_argument("--html", metavar="PAGE.html", type=Path, help="write the walk as one offline page")
-    parser.add_argument("--figures", metavar="DIR", type=Path, help="write its figures into a folder")
-    parser.add_argument("-o", "--output", metavar="RUN.npz", type=Path, help="run file to write")
+    add_page(parser, "write the walk as one offline page")
+    parser.add_argument("--figures", metavar="DIR", type=folder, help="write its figures into a folder")
+    add_output(parser, "RUN.npz", "run file to write")
+    add_verbose(parser)
     add_json(parser)
 
 
@@ -110,8 +116,9 @@ def run(arguments: argparse.Namespace) -> int:
         written.append(str(arguments.output))
     if arguments.html is not None or arguments.figures is not None:
         written += _shown(arguments, ready.biped, ready.gait, walk)
-    table = {**_summary(walk, arguments.speed), "written": written}
-    emit(arguments, table, _text(walk, table))
+    remedy = _remedy(walk, ready.gait, arguments.speed)
+    table = {**_summary(walk, arguments.speed), "remedy": remedy, "written": written}
+    emit(arguments, table, report(arguments, _head(walk, arguments.steps, remedy), [_text(table)], written))
     return TASK_FAILED if walk.fell else SUCCESS
 
 
@@ -179,19 +186,40 @@ def _summary(run: "SpatialRun", speed: float) -> dict[str, Any]:
     }
 
 
-def _text(run: "SpatialRun", table: dict[str, Any]) -> str:
+def _head(run: "SpatialRun", asked: int, remedy: str | None) -> list[str]:
+    """What was reached, what is tightest, what it needed of the motors."""
+    measured = run.settings.get("measured", {})
     fate = "walked" if not run.fell else f"FELL ({run.outcome}) after"
+    way = round(float(run.com[-1, 0] - run.com[0, 0]), 2) + 0.0  # no minus zero
+    reached = f"{run.robot}: {fate} {run.steps_completed} steps of {asked}, {way:.2f} m in {float(run.t[-1]):.2f} s"
+    shares = [(what, measured[key]) for key, what in _MOTORS if measured.get(key)]
+    told = [f"{what} of {share['joint']} {100.0 * share['largest']:.0f} % of its limit" for what, share in shares]
+    if not told:
+        return [reached]
+    tightest = max(range(len(shares)), key=lambda i: shares[i][1]["largest"])
+    advice = "" if remedy is None else f"; {remedy}"
+    return [f"{reached}{advice}", f"tightest  {told[tightest]}", f"motors    {'; '.join(told)}"]
+
+
+_MOTORS = (("torque_share", "torque"), ("speed_share", "speed"))
+
+
+def _remedy(run: "SpatialRun", gait: "Gait", speed: float) -> str | None:
+    """What to change against a fall."""
+    from frontal_biped.simulation.falls import fall_remedy
+
+    if not run.fell:
+        return None
+    slower = f"walk slower than --speed {speed:g}" if speed else None
+    return fall_remedy(run.outcome, gait.specification) or slower
+
+
+def _text(table: dict[str, Any]) -> str:
     lines = [
-        f"{run.robot}: {fate} {run.steps_completed} steps, {table['distance']:.2f} m in {table['duration']:.2f} s",
         f"speed of the second half  {table['speed_of_second_half']:.3f} m/s, commanded {table['commanded_speed']:g}",
         f"sideways, yaw             {1e3 * table['sideways']:.1f} mm, {table['yaw_drift']:.2e} rad",
     ]
-    for key, meaning in (("torque_share", "largest torque"), ("speed_share", "largest joint speed")):
-        share = table[key]
-        if share:
-            lines.append(f"{meaning:26s}{100.0 * share['largest']:.0f} % of the limit, {share['joint']}")
     collision = table["self_collision"]
     if collision:
         lines.append(f"instants at which links touch  {collision['touching']} of {collision['instants']}")
-    lines += [f"written: {path}" for path in table["written"]]
     return "\n".join(lines)

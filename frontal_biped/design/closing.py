@@ -8,6 +8,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.design.variables import STEP_WIDTH
 from frontal_biped.gait.gait import Gait, RobotReference, converged_nodes, orbit_numbers
+from frontal_biped.gait.robot_path import named_description
 from frontal_biped.virtual_constraints.phase import Phase
 from frontal_biped.zero_dynamics.poincare import StepOrbit, step_orbit
 
@@ -31,7 +32,7 @@ class ClosedStep(NamedTuple):
     def gait(self, problem: DesignProblem) -> Gait:
         """The step as a gait of the problem's robot and specification, without provenance."""
         biped = problem.biped
-        reference = RobotReference(biped.name, biped.path.name, biped.fingerprint)
+        reference = RobotReference(biped.name, named_description(biped.path), biped.fingerprint)
         orbit = orbit_numbers(biped, self.step)
         return Gait(reference, *self.phases, float(self.x[STEP_WIDTH]), orbit, problem.specification)
 

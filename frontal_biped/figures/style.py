@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.exceptions import MissingExtraError
+from frontal_biped.files.extras import missing_extra
 from frontal_biped.simulation.world import Phased, phase_spans
 from frontal_biped.virtual_constraints.phase import StepPhase
 
@@ -87,7 +87,7 @@ def styled(function: Callable[_P, _R]) -> Callable[_P, _R]:
         try:
             from matplotlib import rc_context
         except ImportError:
-            raise MissingExtraError("figures need Matplotlib: pip install 'frontal-biped[plot]'") from None
+            raise missing_extra("figures need Matplotlib", "plot") from None
         with rc_context(_STYLE):
             return function(*args, **kwargs)
 

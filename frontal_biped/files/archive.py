@@ -10,13 +10,14 @@ import numpy as np
 
 from frontal_biped.exceptions import TrajectoryFileError
 from frontal_biped.files.atomic import atomic_path
+from frontal_biped.files.kinds import WORDS, archive_format, named_kind
 
 
 class ArchiveKind(NamedTuple):
     """What an archive says it is.
 
     Attributes:
-        format: its name.
+        format: its name, one of `frontal_biped.files.kinds`.
         version: of the format.
         remedy: how to come by such a file, the end of every complaint.
     """
@@ -31,15 +32,6 @@ def write_archive(path: Path, kind: ArchiveKind, header: Mapping[str, Any], arra
     told = json.dumps({"format": kind.format, "version": kind.version, **header})
     with atomic_path(path) as temporary, temporary.open("wb") as stream:
         np.savez_compressed(stream, header=np.array(told), **arrays)
-
-
-def archive_format(path: Path) -> str:
-    """What an archive says it is; "" of a file that says nothing, or is none."""
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            return str(json.loads(str(archive["header"]))["format"])
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, AttributeError, TypeError):
-        return ""
 
 
 def read_archive(path: Path, kind: ArchiveKind, header: Iterable[str], arrays: Iterable[str]) -> dict[str, Any]:
@@ -59,6 +51,8 @@ def read_archive(path: Path, kind: ArchiveKind, header: Iterable[str], arrays: I
     """
     if not path.is_file():
         raise TrajectoryFileError(f"{path}: no such run file; {kind.remedy}")
+    if archive_format(path) != kind.format and (other := named_kind(path)) is not None:
+        raise TrajectoryFileError(f"{path}: is {other}, not {WORDS[kind.format]}; {kind.remedy}")
     try:
         with np.load(path, allow_pickle=False) as archive:
             told = json.loads(str(archive["header"]))

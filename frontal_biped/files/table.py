@@ -7,7 +7,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from frontal_biped.exceptions import ScenarioError
-from frontal_biped.files.toml import as_finite, reject_unknown_keys
+from frontal_biped.files.toml import as_finite, reject_unknown_keys, respelt_keys
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,7 @@ class Table:
         if not isinstance(content, dict):
             raise ScenarioError(f"{where} = {_short(content)} is not a table; write its keys below {where.split()[-1]}")
         if known is not None:
+            content = respelt_keys(content, known)
             reject_unknown_keys(where.rstrip(":"), content, known, ScenarioError)
         self.content: Mapping[str, Any] = content
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from frontal_biped.exceptions import FrontalBipedError
+from frontal_biped.files.spelling import respelt
 
 MAX_TOML_BYTES = 1_000_000  # a description or specification has a few thousand
 
@@ -41,6 +42,12 @@ def reject_unknown_keys(
             close = difflib.get_close_matches(key, names, n=1)
             remedy = f"did you mean {close[0]!r}?" if close else f"known keys: {', '.join(names)}"
             raise error(f"{where}: unknown key {key!r}; {remedy}")
+
+
+def respelt_keys(table: Mapping[str, Any], known: Iterable[str]) -> dict[str, Any]:
+    """The table, with every known key that is there only in the other spelling, American or British, under its own."""
+    names = {key: respelt(key, known) for key in table}
+    return {key if names[key] in table else names[key]: value for key, value in table.items()}
 
 
 def finite_number(where: str, value: object, error: type[FrontalBipedError]) -> float:

@@ -3,7 +3,7 @@
 from frontal_biped.gait.check import ConstraintCheck, ConstraintReport, check_constraints
 from frontal_biped.gait.file import gait_from_dict, gait_to_dict, load_gait, save_gait
 from frontal_biped.gait.gait import Gait
-from frontal_biped.gait.shipped import load_specification, specification_names
+from frontal_biped.gait.shipped import gait_names, gait_path, load_specification, specification_names
 from frontal_biped.gait.specification import GaitSpecification, default_specification, read_specification
 
 __all__ = [
@@ -14,6 +14,8 @@ __all__ = [
     "check_constraints",
     "default_specification",
     "gait_from_dict",
+    "gait_names",
+    "gait_path",
     "gait_to_dict",
     "load_gait",
     "load_specification",

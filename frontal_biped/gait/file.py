@@ -1,7 +1,8 @@
 """The gait file (JSON): written whole or not at all, read field by field. Format "frontal-biped-gait", version 1.
 
     format, version          what the file is
-    robot                    name, description, fingerprint (SHA-256 of URDF and description)
+    robot                    name, description, fingerprint (SHA-256 of URDF and description); the description is a
+                             path from the folder of this file, or the file name of a packaged one (`robot_path`)
     rising, falling          each: beta_start, beta_end [rad]; joint_bezier, 3 rows (stance hip, swing hip, swing
                              ankle) of M + 1 coefficients [rad]; fri_bezier, one row [m]
     step_width               L_s, distance between the ankles [m]
@@ -15,7 +16,7 @@ that is not finite is refused with file, field, value and remedy.
 """
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,23 +25,28 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import GaitFileError, SpecificationError
 from frontal_biped.files.atomic import write_text
+from frontal_biped.files.kinds import GAIT, WORDS, named_kind
 from frontal_biped.files.toml import as_finite
 from frontal_biped.gait.gait import Gait, OrbitNumbers, RobotReference
+from frontal_biped.gait.robot_path import found_description, stored_description
+from frontal_biped.gait.shipped import gait_path
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.virtual_constraints.phase import Phase
 
-FORMAT, VERSION = "frontal-biped-gait", 1
+VERSION = 1
 
 
 def save_gait(gait: Gait, path: Path | str) -> None:
     """Write a gait file (JSON); numbers round-trip exactly, and the file appears whole or not at all."""
-    write_text(Path(path), json.dumps(gait_to_dict(gait), indent=1, allow_nan=False) + "\n")
+    path = Path(path)
+    stored = _of_robot(gait, stored_description(gait.robot.description, path.parent))
+    write_text(path, json.dumps(gait_to_dict(stored), indent=1, allow_nan=False) + "\n")
 
 
 def gait_to_dict(gait: Gait) -> dict[str, Any]:
-    """Content of a gait file."""
+    """Content of a gait file, its robot's description named as in memory."""
     return {
-        "format": FORMAT,
+        "format": GAIT,
         "version": VERSION,
         "robot": asdict(gait.robot),
         "rising": _phase_to_dict(gait.rising),
@@ -53,14 +59,16 @@ def gait_to_dict(gait: Gait) -> dict[str, Any]:
 
 
 def load_gait(path: Path | str) -> Gait:
-    """Read a gait file.
+    """Read a gait file, or a packaged gait by the name of its robot; see `gait_path`.
 
     Raises:
-        GaitFileError: the file is missing, not JSON, of another format or version, or a field is absent, unknown, of
-            the wrong type or shape, or not finite. The message names file, field, value and remedy. Only the
-            specification need not be complete: defaults hold where it says nothing.
+        GaitFileError: there is none, or the file is missing, not JSON, of another format or version, or a field is
+            absent, unknown, of the wrong type or shape, or not finite. The message names file, field, value and remedy.
+            Only the specification need not be complete: defaults hold where it says nothing.
     """
-    return gait_from_dict(_load_json(Path(path)), str(path))
+    path = gait_path(path)
+    gait = gait_from_dict(_load_json(path), str(path))
+    return _of_robot(gait, found_description(gait.robot.description, path.parent))
 
 
 def gait_from_dict(table: Any, where: str) -> Gait:
@@ -69,9 +77,9 @@ def gait_from_dict(table: Any, where: str) -> Gait:
     Raises:
         GaitFileError: as `load_gait`.
     """
-    if not isinstance(table, dict) or table.get("format") != FORMAT:
+    if not isinstance(table, dict) or table.get("format") != GAIT:
         raise GaitFileError(
-            f'{where}: not a gait file, "format" is not {FORMAT!r}; write one with `frontal-biped design`'
+            f'{where}: not a gait file, "format" is not {GAIT!r}; write one with `frontal-biped design`'
         )
     if isinstance(table.get("version"), bool) or table.get("version") != VERSION:  # JSON's true equals 1 in Python
         raise GaitFileError(
@@ -101,6 +109,10 @@ def gait_from_dict(table: Any, where: str) -> Gait:
     )
 
 
+def _of_robot(gait: Gait, description: str) -> Gait:
+    return replace(gait, robot=replace(gait.robot, description=description))
+
+
 def _phase_to_dict(phase: Phase) -> dict[str, Any]:
     return {
         "beta_start": phase.beta_start,
@@ -111,6 +123,9 @@ def _phase_to_dict(phase: Phase) -> dict[str, Any]:
 
 
 def _load_json(path: Path) -> Any:
+    other = named_kind(path)
+    if other is not None and other != WORDS[GAIT]:
+        raise GaitFileError(f"{path}: is {other}, not {WORDS[GAIT]}; write one with `frontal-biped design`")
     try:
         return json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:

@@ -31,7 +31,7 @@ class RobotReference:
 
     Attributes:
         name: of the description.
-        description: its file name.
+        description: its file, named as `robot_path` says.
         fingerprint: SHA-256 of URDF and description.
     """
 

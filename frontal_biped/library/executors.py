@@ -8,7 +8,8 @@ import threading
 from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 
-from frontal_biped.exceptions import LibraryError, MissingExtraError
+from frontal_biped.exceptions import LibraryError
+from frontal_biped.files.extras import missing_extra
 
 
 def worker_processes(count: int) -> ProcessPoolExecutor:
@@ -42,7 +43,7 @@ def dask_executor(address: str) -> Iterator[Executor]:
     try:
         from distributed import Client
     except ImportError:
-        raise MissingExtraError("--dask needs Dask; install it with pip install 'frontal-biped[dask]'") from None
+        raise missing_extra("--dask needs Dask", "dask") from None
     try:
         client = Client(address, timeout="10s")  # type: ignore[no-untyped-call]
     except (OSError, ValueError, TimeoutError) as error:

@@ -27,6 +27,11 @@ def robot_names() -> list[str]:
     return sorted(path.stem for path in models_dir().glob("*.toml"))
 
 
+def is_packaged(description: Path) -> bool:
+    """Is a description one of those that come with the package?"""
+    return description.parent.resolve() == models_dir().resolve()
+
+
 def load_robot(name_or_path: str | Path = DEFAULT_ROBOT) -> FrontalBiped:
     """Load a robot, seen in its frontal plane, and check it against HR1 to HR5.
 

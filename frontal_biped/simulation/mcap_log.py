@@ -20,8 +20,8 @@ import numpy as np
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.exceptions import MissingExtraError
 from frontal_biped.files.atomic import atomic_path
+from frontal_biped.files.extras import missing_extra
 from frontal_biped.model.space.whole_motion import FOOT_NAMES, WholeMotion
 from frontal_biped.model.stance_map import Stance
 
@@ -69,9 +69,7 @@ def write_mcap(motion: WholeMotion, path: Path) -> None:
     try:
         from mcap_ros2.writer import Writer
     except ImportError:
-        raise MissingExtraError(
-            "MCAP files are written by mcap-ros2-support: pip install 'frontal-biped[mcap]'"
-        ) from None
+        raise missing_extra("MCAP files need mcap-ros2-support", "mcap") from None
 
     with atomic_path(path) as temporary, temporary.open("wb") as stream:
         writer = Writer(stream)

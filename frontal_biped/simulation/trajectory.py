@@ -16,11 +16,13 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.files.archive import ArchiveKind, read_archive, write_archive
+from frontal_biped.files.kinds import RUN
+from frontal_biped.gait.robot_path import with_found_description, with_stored_description
 from frontal_biped.model.stance_map import Stance, StanceMap
 from frontal_biped.model.urdf.description import ROLL_JOINTS
 from frontal_biped.numerics.by_name import Columns
 
-KIND = ArchiveKind("frontal-biped-run", 1, "write one with `frontal-biped simulate GAIT.json -o RUN.npz`")
+KIND = ArchiveKind(RUN, 1, "write one with `frontal-biped simulate GAIT.json -o RUN.npz`")
 
 _ABOUT_X = StanceMap(np.ones(4), np.zeros(4), ROLL_JOINTS)
 """As if every URDF axis pointed along +X and every joint were at 0 upright."""
@@ -145,7 +147,9 @@ _TEXT = ("event_kind", "robot", "outcome", "steps_completed", "gait", "settings"
 def save_trajectory(trajectory: Trajectory, path: Path | str) -> None:
     """Write a run file (NPZ, no pickles); it appears whole or not at all."""
     arrays = {name: getattr(trajectory, name) for name in _ARRAYS}
-    write_archive(Path(path), KIND, {key: getattr(trajectory, key) for key in _TEXT}, arrays)
+    path = Path(path)
+    header = {key: getattr(trajectory, key) for key in _TEXT}
+    write_archive(path, KIND, header | {"gait": with_stored_description(trajectory.gait, path.parent)}, arrays)
 
 
 def load_trajectory(path: Path | str) -> Trajectory:
@@ -154,6 +158,8 @@ def load_trajectory(path: Path | str) -> Trajectory:
     Raises:
         TrajectoryFileError: the file is missing, cut off, or not a run.
     """
-    content = read_archive(Path(path), KIND, _TEXT, _ARRAYS)
+    path = Path(path)
+    content = read_archive(path, KIND, _TEXT, _ARRAYS)
     content["event_kind"] = tuple(content["event_kind"])
+    content["gait"] = with_found_description(content["gait"], path.parent)
     return Trajectory(**content)

@@ -10,7 +10,8 @@ import webbrowser
 from collections.abc import Iterator
 from pathlib import Path
 
-from frontal_biped.exceptions import FrontalBipedError, MissingExtraError
+from frontal_biped.exceptions import FrontalBipedError
+from frontal_biped.files.extras import missing_extra
 from frontal_biped.studio.workbench import State, Workbench
 
 HOST = "127.0.0.1"  # this machine only; from another one, forward the port with ssh
@@ -34,7 +35,7 @@ class Studio:
         try:
             import viser
         except ImportError:
-            raise MissingExtraError("the studio needs viser: pip install 'frontal-biped[viser]'") from None
+            raise missing_extra("the studio needs viser", "viser") from None
         from frontal_biped.studio.panel import Panel
         from frontal_biped.studio.stage import Stage
 

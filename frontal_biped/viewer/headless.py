@@ -8,8 +8,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from frontal_biped.exceptions import FrontalBipedError, MissingExtraError
+from frontal_biped.exceptions import FrontalBipedError
 from frontal_biped.files.atomic import atomic_path
+from frontal_biped.files.extras import missing_extra
 from frontal_biped.viewer.markers import COLOURS
 
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
@@ -43,7 +44,7 @@ def opened_page(html: str, size: tuple[int, int]) -> Iterator[Any]:
     try:
         from playwright.sync_api import Error, sync_playwright
     except ImportError:
-        raise MissingExtraError("pictures need Playwright: pip install 'frontal-biped[browser]'") from None
+        raise missing_extra("pictures need Playwright", "browser") from None
     with tempfile.TemporaryDirectory(prefix="frontal-biped-") as folder, sync_playwright() as playwright:
         path = Path(folder) / "page.html"
         path.write_text(html, encoding="utf-8")

@@ -36,7 +36,11 @@ class LiveViewer(SceneRecorder):
     """
 
     def __init__(
-        self, title: str = "Frontal-plane walking", about: dict[str, Any] | None = None, port: int = 0
+        self,
+        title: str = "Frontal-plane walking",
+        about: dict[str, Any] | None = None,
+        port: int = 0,
+        page: str | None = None,
     ) -> None:
         """Start serving.
 
@@ -44,12 +48,13 @@ class LiveViewer(SceneRecorder):
             title: of the page.
             about: see `page_data`.
             port: 0: the first free one from 7000 on.
+            page: text of a page that needs no more than itself; None: the one around what is drawn.
 
         Raises:
             FrontalBipedError: no port is free.
         """
         super().__init__()
-        self._page = viewer_page(title, [], about or {}, socket=True)
+        self._page = viewer_page(title, [], about or {}, socket=True) if page is None else page
         self._lock = threading.Lock()
         self._clients: set[Any] = set()
         self._stop: asyncio.Event | None = None
@@ -195,6 +200,19 @@ def serve(show: Show, open_browser: bool = True, wait: bool = True, port: int = 
     viewer = LiveViewer(show.title, show.about, port)
     try:
         show.draw(meshcat.Visualizer(window=viewer))
+    except BaseException:
+        viewer.close()
+        raise
+    return _keep(viewer, open_browser, wait)
+
+
+def serve_page(page: str, open_browser: bool = True, wait: bool = True, port: int = 0) -> LiveViewer:
+    """Serve a page that needs no more than itself, as `serve` does."""
+    return _keep(LiveViewer(port=port, page=page), open_browser, wait)
+
+
+def _keep(viewer: LiveViewer, open_browser: bool, wait: bool) -> LiveViewer:
+    try:
         if wait:
             # the address is told while SIGTERM is listened to: who reads it may end the viewer at once
             with _until_interrupted() as ended:

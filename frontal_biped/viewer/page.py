@@ -151,16 +151,55 @@ def viewer_page(title: str, packed: list[bytes], about: dict[str, Any], socket: 
     Returns:
         The page's text.
     """
-    body = Template(web_text("viewer.html")).substitute(
+    return scene_page(
+        "viewer",
+        title,
+        packed,
+        about,
+        ("plots", "timeline", "motion", "viewer"),
+        ("viewer",),
+        connect="ws:" if socket else "",
+        schemes="light dark",
+        socket="true" if socket else "false",
+    )
+
+
+def scene_page(
+    body: str,
+    title: str,
+    packed: list[bytes],
+    about: dict[str, Any],
+    scripts: Sequence[str],
+    styles: Sequence[str],
+    *,
+    schemes: str = "light",
+    connect: str = "",
+    **more: str,
+) -> str:
+    """A page around MeshCat's viewer, its parts by their names in the package's ``web`` folder.
+
+    Args:
+        body: HTML with places for what follows.
+        title: of the page.
+        packed: the scene's commands.
+        about: what the scripts read.
+        scripts: JavaScript, in this order.
+        styles: CSS, in this order.
+        schemes: see `closed_page`.
+        connect: see `closed_page`.
+        more: what else the body has places for.
+    """
+    text = Template(web_text(f"{body}.html")).substitute(
         title=html.escape(title),
         meshcat_licence=_viewer_file("main.min.js.LICENSE.txt").replace("--", "- -"),
         meshcat=_viewer_file("main.min.js"),
         commands=script_json([base64.b64encode(command).decode("ascii") for command in packed]),
         about=script_json(about),
-        socket="true" if socket else "false",
-        script="".join(web_text(f"{name}.js") for name in ("plots", "timeline", "motion", "viewer")),
+        script="".join(web_text(f"{name}.js") for name in scripts),
+        **more,
     )
-    return closed_page(title, web_text("viewer.css"), body, schemes="light dark", connect="ws:" if socket else "")
+    style = "".join(web_text(f"{name}.css") for name in styles)
+    return closed_page(title, style, text, schemes=schemes, connect=connect)
 
 
 def closed_page(title: str, style: str, body: str, *, schemes: str = "light", connect: str = "") -> str:

@@ -140,6 +140,20 @@ class TestGoodInput:
         assert main(["design", "--spec", "robst"]) == 2
         assert "did you mean 'robust'" in one_line(capsys)
 
+    def test_design_without_an_output_writes_beside_the_description(self, tmp_path, capsys, monkeypatch):
+        """Nothing is written over: a second gait takes the next name."""
+        (tmp_path / "here").mkdir()
+        monkeypatch.chdir(tmp_path / "here")
+        description = robot_copy(tmp_path)
+        for name in ("gait.json", "gait-2.json"):
+            assert main(["design", "--robot", str(description)]) == 0
+            assert f"written to {tmp_path / name}" in capsys.readouterr().out
+        assert main(["design", "--json"]) == 0  # a packaged robot
+        assert json.loads(capsys.readouterr().out)["output"] == "gait.json"
+        assert [path.name for path in Path().iterdir()] == ["gait.json"]
+        stored = [json.loads(path.read_text())["robot"]["description"] for path in tmp_path.rglob("gait*.json")]
+        assert stored == ["frontal_biped.toml"] * 3
+
     def test_design_follows_the_specification(self, tmp_path, capsys):
         spec = tmp_path / "spec.toml"
         spec.write_text("max_pelvis_roll = 0.05\nstep_width = [0.2, 0.3]\n")
@@ -397,9 +411,11 @@ class TestBadFiles:
             assert "absent" in one_line(capsys)
 
     def test_unknown_robot_in_gait(self, gait_file, tmp_path, capsys):
-        path = _edited(gait_file, tmp_path, lambda g: g["robot"].__setitem__("name", "other_biped"))
+        path = _edited(gait_file, tmp_path, lambda g: g["robot"].__setitem__("description", "other_biped.toml"))
         assert main(["analyze", str(path)]) == 2
-        assert "name it with --robot" in one_line(capsys)
+        line = one_line(capsys)
+        assert "name it with --robot" in line
+        assert str(tmp_path / "other_biped.toml") in line and "bad.json" in line
 
     def test_output_that_cannot_be_written_is_refused_before_the_work(self, gait_file, tmp_path, capsys):
         blocker = tmp_path / "file"

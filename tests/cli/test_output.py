@@ -52,13 +52,22 @@ COMMANDS = [
     ("view spec.toml gait.json", "--html", ("gait.json",)),
     ("walk mini.toml --gait gait.json", "-o", ("gait.json", "mini.toml", "mini.urdf")),
     ("walk mini.urdf --gait gait.json", "--html", ("gait.json", "mini.toml", "mini.urdf")),
-    ("walk mini.urdf -o new.npz", "--html", ("new.npz",)),
 ]
+
+
+def with_ending(name, command, option):
+    """A name of the same file that ends as the command asks of what it writes; that is asked first."""
+    ending = {"design": ".json", "robots": ".toml", "trial": ".xml"}.get(command, ".npz" if option == "-o" else ".html")
+    if command == "robots" or name.endswith(ending):
+        return name
+    Path(f"{name}{ending}").symlink_to(name)
+    return f"{name}{ending}"
 
 
 @pytest.mark.parametrize(("line", "option", "targets"), COMMANDS)
 def test_inputs_are_never_replaced(line, option, targets, files, capsys):
-    for target in targets:
+    for named in targets:
+        target = with_ending(named, line.split()[0], option)
         before = {path.name: (path.is_symlink(), path.read_bytes()) for path in files.iterdir()}
         capsys.readouterr()
         assert main([*line.split(), option, target]) == 2, target
@@ -77,8 +86,15 @@ def test_an_archive_is_not_exported_onto_itself(tmp_path, capsys):
     assert run.read_bytes() == b"a run"
 
 
+def test_one_file_cannot_be_run_and_page(files, capsys):
+    assert main(["walk", "mini.urdf", "-o", "new.npz", "--html", "new.npz"]) == 2
+    assert "'new.npz' does not end in .html" in capsys.readouterr().err
+    assert not Path("new.npz").exists()
+
+
 def test_a_scenario_is_not_its_own_report(files, capsys):
-    for target in ("still.scenario.toml", "gait.json", "hard_gait.json"):
+    for named in ("still.scenario.toml", "gait.json", "hard_gait.json"):
+        target = with_ending(named, "trial", "--junit")
         before = Path(target).read_bytes()
         assert main(["trial", "still.scenario.toml", "--junit", target]) == 2
         assert f"{target}: is a file that the command reads or writes as well" in capsys.readouterr().err

@@ -49,7 +49,7 @@ from pathlib import Path
 from typing import Any
 
 from frontal_biped.exceptions import HypothesisError, RobotError
-from frontal_biped.files.toml import finite_number, load_toml, reject_unknown_keys
+from frontal_biped.files.toml import finite_number, load_toml, reject_unknown_keys, respelt_keys
 from frontal_biped.model.urdf.packages import resolve_urdf
 
 ROLL_JOINTS = ("left_ankle", "left_hip", "right_hip", "right_ankle")
@@ -159,7 +159,7 @@ def read_description(path: Path) -> RobotDescription:
     Raises:
         RobotError: the file is missing or malformed, or a key is unknown, absent or of the wrong type.
     """
-    table = load_toml(path, RobotError)
+    table = respelt_keys(load_toml(path, RobotError), KEYS)
     reject_unknown_keys(str(path), table, KEYS, RobotError)
     joints = _section(path, table, "joints", ROLL_JOINTS)
     sole = _section(path, table, "sole", ("inner", "outer", "ankle_height", "front", "back"))

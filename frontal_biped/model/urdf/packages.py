@@ -12,6 +12,7 @@ from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path, PurePosixPath
 
 from frontal_biped.exceptions import RobotError
+from frontal_biped.files.extras import pip_install
 
 EXAMPLE_ROBOT_DATA = "example-robot-data"
 PACKAGE = "package://"
@@ -33,7 +34,7 @@ def example_robot_data_dir() -> Path:
         if folder.is_dir():
             return folder
     searched = ", ".join(str(folder) for folder in candidates)
-    raise RobotError(f"{EXAMPLE_ROBOT_DATA} is not installed; pip install {EXAMPLE_ROBOT_DATA} (searched {searched})")
+    raise RobotError(f"{EXAMPLE_ROBOT_DATA} is not installed; {pip_install(EXAMPLE_ROBOT_DATA)} (searched {searched})")
 
 
 def resolve_urdf(where: str, urdf: str, folder: Path) -> Path:

@@ -12,7 +12,8 @@ import numpy as np
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.exceptions import MissingExtraError, SimulationError
+from frontal_biped.exceptions import SimulationError
+from frontal_biped.files.extras import missing_extra
 from frontal_biped.model.chain import GRAVITY
 from frontal_biped.model.stance_map import Stance
 
@@ -81,7 +82,7 @@ def import_mujoco() -> Any:
     try:
         import mujoco
     except ImportError:
-        raise MissingExtraError("the second engine is MuJoCo: pip install 'frontal-biped[mujoco]'") from None
+        raise missing_extra("the second engine is MuJoCo", "mujoco") from None
     return mujoco
 
 

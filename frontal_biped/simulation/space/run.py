@@ -16,12 +16,14 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import TrajectoryFileError
 from frontal_biped.files.archive import ArchiveKind, read_archive, write_archive
+from frontal_biped.files.kinds import SPACE_RUN
+from frontal_biped.gait.robot_path import with_found_description, with_stored_description
 from frontal_biped.model.space.free_robot import BASE
 from frontal_biped.model.space.joint_arrays import ROOT
 from frontal_biped.numerics.by_name import Columns
 from frontal_biped.simulation.trajectory import COMPLETED
 
-KIND = ArchiveKind("frontal-biped-space-run", 1, "write one with `frontal-biped walk ROBOT -o RUN.npz`")
+KIND = ArchiveKind(SPACE_RUN, 1, "write one with `frontal-biped walk ROBOT -o RUN.npz`")
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +163,9 @@ _TEXT = (*_TUPLES, "robot", "outcome", "steps_completed", "gait", "settings")
 def save_spatial_run(run: SpatialRun, path: Path | str) -> None:
     """Write a run file (NPZ, no pickles); it appears whole or not at all."""
     arrays = {name: np.asarray(getattr(run, name), dtype=float) for name in _ARRAYS}
-    write_archive(Path(path), KIND, {key: getattr(run, key) for key in _TEXT}, arrays)
+    path = Path(path)
+    header = {key: getattr(run, key) for key in _TEXT}
+    write_archive(path, KIND, header | {"gait": with_stored_description(run.gait, path.parent)}, arrays)
 
 
 def load_spatial_run(path: Path | str) -> SpatialRun:
@@ -177,6 +181,7 @@ def load_spatial_run(path: Path | str) -> SpatialRun:
         if not isinstance(content[key], kind) or (kind is list and not all(isinstance(n, str) for n in content[key])):
             what = "list of names" if kind is list else kind.__name__
             raise _refused(path, f"{key} = {str(content[key])[:40]!r} is no {what}")
+    content["gait"] = with_found_description(content["gait"], path.parent)
     n, samples, events = len(content["joint_names"]), np.shape(content["t"])[:1], (len(content["event_kind"]),)
     sizes = {"q": 7 + n, "v": 6 + n, "tau": n}
     for name in _ARRAYS:

@@ -1,0 +1,73 @@
+"""What all commands share: endings of what is written, both spellings, names for files."""
+
+import argparse
+
+import pytest
+
+from frontal_biped.cli.main import main, make_parser
+
+FILES = {"-o": ["design", "simulate", "walk", "export", "robots"], "--html": ["walk", "view"], "--junit": ["trial"]}
+FOLDERS = [("plot", "-o"), ("library", "-o"), ("demo", "--out"), ("trial", "--save"), ("walk", "--figures")]
+NEEDED = {"simulate": ["g.json"], "walk": ["g1"], "export": ["g.json"], "view": ["g.json"], "trial": ["s.toml"],
+          "plot": ["g.json"], "library": ["s.toml"]}  # fmt: skip
+
+
+def commands():
+    (sub,) = (action for action in make_parser()._actions if isinstance(action, argparse._SubParsersAction))
+    return sub.choices
+
+
+def test_tables_above_name_every_option_that_writes():
+    """A new one must be added there, and so be checked below."""
+    written = {
+        (name, option)
+        for name, parser in commands().items()
+        for action in parser._actions
+        for option in action.option_strings
+        if str(action.metavar).startswith(("DIR", "FILE", "PAGE")) or option == "-o"
+    }
+    told = {(name, option) for option, names in FILES.items() for name in names} | set(FOLDERS)
+    assert {pair for pair in written if not pair[1].startswith("--output")} == told
+
+
+@pytest.mark.parametrize(
+    ("command", "option", "right"),
+    [
+        ("design", "-o", ".json"),
+        ("simulate", "-o", ".npz"),
+        ("walk", "-o", ".npz"),
+        ("walk", "--html", ".html"),
+        ("view", "--html", ".html"),
+        ("trial", "--junit", ".xml"),
+    ],
+)
+def test_a_wrong_ending_is_refused_with_the_right_one(command, option, right, tmp_path, capsys):
+    for name, remedy in (("run.txt", f"write {tmp_path / 'run'}{right}"), ("run", "write"), ("", "is a directory")):
+        assert main([command, *NEEDED.get(command, []), option, str(tmp_path / name)]) == 2
+        error = capsys.readouterr().err
+        assert error.count("\n") == 1 and remedy in error and right in error
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("command", "option"), FOLDERS)
+def test_a_folder_that_ends_as_a_file_is_refused(command, option, tmp_path, capsys):
+    assert main([command, *NEEDED.get(command, []), option, str(tmp_path / "figure.png")]) == 2
+    assert f"write the folder, {tmp_path / 'figure'}" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_options_and_commands_in_both_spellings(capsys):
+    for words in (["--stabilizer", "nix"], ["--stabilizer=nix"], ["--stabiliser=nix"]):
+        assert main(["simulate", "g1", *words]) == 2
+        assert "no stabiliser 'nix'" in capsys.readouterr().err
+    for command in ("analyse", "analyze"):
+        assert main([command, "gg1"]) == 2
+        assert "did you mean 'g1'" in capsys.readouterr().err
+    assert main(["--debug", "analyse"]) == 2  # still a usage error, told in one line
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_what_follows_an_option_is_not_respelt():
+    """A robot may be called as it likes."""
+    assert make_parser().parse_args(["simulate", "--robot", "stabilizer", "analyse"]).robot == "stabilizer"
+    assert str(make_parser().parse_args(["analyze", "analyse"]).gait) == "analyse"

@@ -1,0 +1,37 @@
+"""Against every way to fall, what to change: a key that the specification has, towards what helps."""
+
+import pytest
+
+from frontal_biped.gait import GaitSpecification
+from frontal_biped.simulation.falls import fall_remedy
+from frontal_biped.simulation.hybrid_system import EventKind
+from frontal_biped.simulation.loop import TIMED_OUT
+
+FALLS = {kind.value for kind in EventKind} - {"reversal", "impact"} | {TIMED_OUT}
+
+
+@pytest.mark.parametrize("outcome", sorted(FALLS))
+def test_every_fall_of_the_plane_names_a_key(outcome):
+    key = fall_remedy(outcome, GaitSpecification()).split()[2]
+    assert hasattr(GaitSpecification(), key)
+
+
+@pytest.mark.parametrize(
+    ("kind", "specification", "words"),
+    [
+        (EventKind.EDGE_LANDING, GaitSpecification(), "max_foot_rotation = 0.05, which is free now"),
+        (EventKind.EDGE_LANDING, GaitSpecification(max_foot_rotation=0.3), "max_foot_rotation = 0.05 in place of 0.3"),
+        (EventKind.EDGE_LANDING, GaitSpecification(max_foot_rotation=0.04), "max_foot_rotation = 0.02 in place of"),
+        (EventKind.EARLY_LANDING, GaitSpecification(), "swing_clearance = 0.02 in place of 0.01"),
+        (EventKind.EARLY_LANDING, GaitSpecification(swing_clearance=0.03), "swing_clearance = 0.06 in place of 0.03"),
+        (EventKind.TIPPED_OUTWARDS, GaitSpecification(), "min_energy_margin = 1, which is free now"),
+        (EventKind.SLIPPED, GaitSpecification(friction=0.6), "friction = 0.42 in place of 0.6"),
+    ],
+)
+def test_the_value_goes_where_it_helps(kind, specification, words):
+    assert words in fall_remedy(kind.value, specification)
+
+
+def test_what_no_key_governs_gets_no_advice():
+    assert fall_remedy("completed", GaitSpecification()) is None
+    assert fall_remedy("MuJoCo's state is no longer finite", GaitSpecification()) is None
