@@ -22,6 +22,12 @@ GRAZE = 1e-6
 """How far [m] the swing sole may dip below the ground while rising before that counts as touching it; rounding at
 lift-off is far below."""
 
+LEAVING = 1e-3
+"""How far [m] one end of a sole may dip that has not left the ground yet, neither end higher than twice as far.
+
+Torques that are held act on past the impact, and the old stance ankle's turns a light foot that the ground would still
+hold up; a foot that lands may be as far off (`FLAT_LANDING` over the width of a sole)."""
+
 
 class EventKind(Enum):
     """What ends a phase."""
@@ -83,7 +89,8 @@ def walking_guards(biped: FrontalBiped, leaving: float = 0.0, landing: float = 0
         return biped.swing_clearance(q) - landing
 
     def grazing_clearance(q: FloatArray, _: FloatArray) -> float:
-        return biped.swing_clearance(q) - leaving + GRAZE
+        low, high = sorted(biped.swing_sole(q)[:, 1] - leaving)
+        return float(low) + GRAZE + LEAVING * min(max(2.0 - float(high) / (2.0 * LEAVING), 0.0), 1.0)
 
     def inside_outer_edge(q: FloatArray, _: FloatArray) -> float:
         return float(com(q)[0]) - outer

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from frontal_biped.model import State
 from frontal_biped.simulation import SimulationSettings, simulate_walk
-from frontal_biped.simulation.hybrid_system import FLAT_LANDING, GRAZE, EventKind, land, walking_guards
+from frontal_biped.simulation.hybrid_system import FLAT_LANDING, GRAZE, LEAVING, EventKind, land, walking_guards
 from frontal_biped.virtual_constraints import double_support_pose
 
 EVENT_TIME = 1e-8  # [s] Runge-Kutta at 1 ms against DOP853 at rtol 1e-9
@@ -55,7 +56,9 @@ def test_without_torque_energy_is_kept_until_the_swing_foot_drops_and_the_run_sa
     assert run.fell
     assert run.steps_completed == 0
     assert run.outcome == EventKind.EARLY_LANDING.value
-    assert -2.0 * GRAZE < biped.swing_sole(state[:4])[:, 1].min() < 0.0
+    guard = next(g for g in walking_guards(biped).rising if g.kind is EventKind.EARLY_LANDING)
+    assert abs(guard.function(state[:4], state[4:])) < GRAZE
+    assert -LEAVING - 2.0 * GRAZE < biped.swing_sole(state[:4])[:, 1].min() < 0.0
     # and nothing else had come before it: still rising, over its sole, upright
     assert state[4] > 0.0
     assert biped.com(state[:4])[0] > biped.sole[0]
@@ -71,6 +74,18 @@ def test_too_fast_outwards_tips_over(biped, reference_gait):
     )
     assert run.fell
     assert run.steps_completed == 0
+
+
+def test_a_sole_that_has_not_left_the_ground_may_dip_and_one_that_has_may_not(biped):
+    """The ground holds up a foot that lies on it, whatever the torques do to it; one in the air it meets."""
+    guard = next(g for g in walking_guards(biped).rising if g.kind is EventKind.EARLY_LANDING)
+    pose = double_support_pose(biped, -1.66, 0.3)
+    flat = np.eye(4)[3]
+    lying, raised = (
+        q + flat * brentq(lambda turn, q=q: biped.swing_clearance(q + turn * flat) + 0.5 * LEAVING, 0.0, 0.5)
+        for q in (pose, pose + np.array([0.05, 0.0, 0.0, -0.05]))
+    )
+    assert guard.function(lying, np.zeros(4)) > 0.0 > guard.function(raised, np.zeros(4))
 
 
 def test_impact_guard_counts_only_downward_crossings(biped):

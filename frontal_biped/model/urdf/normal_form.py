@@ -9,6 +9,8 @@ that needs nothing of this stays as it is, byte for byte: the fingerprints of ga
     a link called "world"              world_link (MuJoCo has a body of that name)
     a root link without mass from which the robot hangs by a floating joint
                                        the joint is fixed: the robot floats anyway
+    a continuous joint with limits of effort and speed
+                                       a revolute one of half a turn either way: no leg turns further
     a material without a name          named, for one hides all shapes of its link; beside the links, dropped
     a material defined twice           the first holds
     a capsule                          a cylinder and two spheres
@@ -46,6 +48,7 @@ def normal_form(text: str, root: ElementTree.Element) -> str:
         bool(_BROKEN_ATTRIBUTE.search(text)),
         _blanks_dropped(root),
         _floating_root_fixed(root),
+        _turns_bounded(root),
         _links_renamed(root),
         _materials_named(root),
         _capsules_parted(root),
@@ -74,6 +77,18 @@ def _floating_root_fixed(root: ElementTree.Element) -> bool:
         return False
     hanging[0].set("type", "fixed")
     return True
+
+
+def _turns_bounded(root: ElementTree.Element) -> bool:
+    changed = False
+    for joint in root.findall("joint"):
+        limit = joint.find("limit")
+        if joint.get("type") == "continuous" and limit is not None and {"effort", "velocity"} <= set(limit.attrib):
+            joint.set("type", "revolute")
+            limit.set("lower", repr(-np.pi))
+            limit.set("upper", repr(np.pi))
+            changed = True
+    return changed
 
 
 def _links_renamed(root: ElementTree.Element) -> bool:

@@ -126,6 +126,7 @@ WAYS = {
     "a fixed world": below(
         '<link name="world"/><joint name="s" type="fixed"><parent link="world"/><child link="body"/></joint>'
     ),
+    "joints without ends": edited(r'type="revolute"(.*?) lower="\S+" upper="\S+"', r'type="continuous"\1'),
     "rods beside the legs": rods(),
     "origins of pitch joints elsewhere on their axes": slid_along_axes(PITCH_SLIDES),
     "the origin of a hip roll joint elsewhere on its axis": slid_along_axes(HIP_ROLL_SLIDES),
