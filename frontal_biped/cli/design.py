@@ -3,10 +3,19 @@
 import argparse
 import re
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from frontal_biped.cli.arguments import add_json, add_output, add_robot, add_value, add_verbose, positive_int
+from frontal_biped.cli.arguments import (
+    add_json,
+    add_output,
+    add_robot,
+    add_value,
+    add_verbose,
+    not_negative_float,
+    positive_int,
+)
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
 from frontal_biped.cli.output import emit, free_path, report, require_output
 from frontal_biped.cli.progress import Progress
@@ -24,6 +33,11 @@ _OUTPUT = (
     " taken gait-2.json, gait-3.json, ..."
 )
 
+_QUICK = (
+    "leave out the walk: otherwise a gait must walk 20 steps with torques held for 1 ms, in our simulator and where it"
+    " is installed in MuJoCo, and is designed anew with tighter bounds where it does not"
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Robot, specification, where to start, where to write."""
@@ -34,6 +48,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--start", metavar="G.json", type=Path, help="gait to start from; default: a swayed stand")
     starts = "designs from as many starts, random but the first; the cheapest gait is kept"
     add_value(parser, "--attempts", "N", positive_int, "1", starts)
+    parser.add_argument("--quick", action="store_true", help=_QUICK)
+    add_value(parser, "--budget", "SHARE", not_negative_float, "0.25", "of J that may be given away so that it walks")
     add_output(parser, "G.json", _OUTPUT)
     add_verbose(parser)
     add_json(parser)
@@ -41,7 +57,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Design a gait, write it, print its constraints."""
-    from frontal_biped.design.optimise import design_gait
+    from frontal_biped.design.walk_trial import STEPS
+    from frontal_biped.design.walking_gait import design_walking_gait
     from frontal_biped.gait.file import load_gait, save_gait
     from frontal_biped.gait.shipped import load_specification
     from frontal_biped.gait.specification import default_specification
@@ -58,7 +75,17 @@ def run(arguments: argparse.Namespace) -> int:
             progress.update(f"iteration {iteration}, J = {cost:.3f} N^2 m s, violation {violation:.1e}")
 
         start = None if arguments.start is None else load_gait(arguments.start)
-        result = design_gait(biped, specification, start=start, attempts=arguments.attempts, on_progress=show)
+        result = design_walking_gait(
+            biped,
+            specification,
+            quick=arguments.quick,
+            start=start,
+            attempts=arguments.attempts,
+            budget=arguments.budget,
+            on_progress=show,
+            on_step=lambda engine, done: progress.update(f"walking in {engine}, step {done} of {STEPS}"),
+            tell=progress.say,
+        )
     if result.gait is None:
         sys.stderr.write(f"frontal-biped: no gait: {biped.name}: {result.message}\n")
         return TASK_FAILED
@@ -84,6 +111,8 @@ def _report(
         "iterations": result.iterations,
         "evaluations": result.evaluations,
         "seconds": result.seconds,
+        "walk": None if result.walk is None else result.walk.as_dict(),
+        "tightened": [asdict(change) for change in result.tightened],
         "output": str(output),
         "asymmetry": biped.asymmetry.as_dict(),
         "constraints": None if result.report is None else result.report.as_dict(),

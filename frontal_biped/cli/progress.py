@@ -1,4 +1,4 @@
-"""Progress on a terminal: one line on standard error, rewritten in place; silent when piped."""
+"""Progress on a terminal: one line on standard error, rewritten in place; silent when piped but for what stays."""
 
 import sys
 import time
@@ -26,6 +26,14 @@ class Progress:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        self._clear()
+
+    def say(self, line: str) -> None:
+        """A line that stays, piped or not."""
+        self._clear()
+        sys.stderr.write(f"frontal-biped: {line}\n")
+
+    def _clear(self) -> None:
         if self._active:
             sys.stderr.write("\r" + " " * self._width + "\r")
             sys.stderr.flush()

@@ -33,8 +33,8 @@ _ENGINES = (
 )
 _ENGINES_OF = {"ours": ("ours",), "mujoco": ("mujoco",), "both": ("mujoco", "ours")}
 _STABILISERS = (
-    "fixed, re-anchored, adaptive, ankle, step, step-lqr or ankle+step; default: adaptive, in MuJoCo with"
-    " the energy law"
+    "fixed, re-anchored, adaptive, ankle, step, step-lqr or ankle+step; default: with --continuous adaptive, otherwise"
+    " the walker, which sees sensor readings only"
 )
 _OUTPUTS = "what drives the outputs: linearising, or clf, a control Lyapunov function"
 
@@ -76,6 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
     biped, gait = load_walker(arguments.gait, arguments.robot)
     period = None if arguments.continuous else 1.0 / arguments.rate
     settings = sampled_settings(gait, period, outputs=arguments.controller)
+    sensed = period is not None and arguments.stabiliser is None and settings.outputs == "linearising"
     walk: dict[str, Any] = {
         "steps": arguments.steps,
         "period": period,
@@ -88,8 +89,8 @@ def run(arguments: argparse.Namespace) -> int:
                 biped,
                 gait,
                 **walk,
-                stabiliser=arguments.stabiliser or "adaptive",
-                controller_settings=settings,
+                stabiliser=arguments.stabiliser,
+                controller_settings=None if sensed else settings,
                 on_step=lambda done: progress.update("", done),
             )
             table, text, walked, runs = _summary(own), _text(own), not own.fell, {"ours": own}

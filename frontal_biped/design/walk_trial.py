@@ -20,8 +20,11 @@ STEPS = 20
 SPEED = 0.15
 """Largest mean error of the speed half-way down that still counts as walking the gait [-]."""
 
-OFF_SPEED = "the robot walks, but not at the speed of the gait"
-"""Outcome of a walk without a fall whose speed is further off."""
+TIME = 0.1
+"""Largest error of the mean step time that does: a foot that bounces counts steps without making them [-]."""
+
+OFF_SPEED = "the robot walks, but not as fast as the gait"
+"""Outcome of a walk without a fall whose speed or step time is further off."""
 
 
 @dataclass(frozen=True)
@@ -121,12 +124,15 @@ def _walked(biped: FrontalBiped, gait: Gait, engine: str, run: Trajectory) -> En
     speed = float(np.mean(speeds)) if len(speeds) else None
     effort = run.settings.get("measured", {}).get("effort")
     cost = None if effort is None else float(effort["mean"]) / gait.step_width / gait.orbit.cost
-    off = run.outcome == COMPLETED and (speed is None or abs(speed) > SPEED)
+    time = float(times.mean()) if len(times) else None
+    off = run.outcome == COMPLETED and (
+        speed is None or abs(speed) > SPEED or (time is not None and abs(time / gait.orbit.step_duration - 1.0) > TIME)
+    )
     return EngineWalk(
         engine,
         run.steps_completed,
         OFF_SPEED if off else run.outcome,
-        float(times.mean()) if len(times) else None,
+        time,
         speed,
         cost,
     )

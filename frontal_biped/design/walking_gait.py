@@ -41,6 +41,7 @@ def design_walking_gait(
     biped: FrontalBiped,
     specification: GaitSpecification | None = None,
     *,
+    quick: bool = False,
     start: Gait | FloatArray | None = None,
     attempts: int = 1,
     budget: float = BUDGET,
@@ -53,6 +54,7 @@ def design_walking_gait(
     Args:
         biped: the robot.
         specification: the bounds; default: `default_specification`.
+        quick: leave out the walk; the gait's provenance says so.
         start: see `design_gait`.
         attempts: see `design_gait`.
         budget: share of J that may be given away [-].
@@ -75,6 +77,8 @@ def design_walking_gait(
     first = design_gait(biped, spec, start=start, attempts=attempts, on_progress=on_progress)
     if first.gait is None:
         return first
+    if quick:
+        return replace(first, gait=replace(first.gait, provenance={**first.gait.provenance, "walk": LEFT_OUT}))
     search = _Search(biped, first, budget, on_progress, on_step, tell or (lambda line: None))
     return search.run(spec)
 
