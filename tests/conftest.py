@@ -28,6 +28,28 @@ Each claim, how it is held, what was measured, and the tests that hold it:
 * Walks in MuJoCo with every joint free: five robots four or six steps on the spot, step time within 1 %; talos_full ten
   steps at 0.2 m/s, with noise and 3 ms of delay too, step time within 2 %, speed within 10 %.
   simulation/space/test_walk_spatial.py
+* A URDF is read as it is written, in all the ways that one small humanoid can be: mass and inertia of every body equal
+  the text's; a posture keeps the angles it is given. model/urdf/test_same_robot.py
+* A gait is called one when it walks: what governs a fall is tightened, within a budget; the gait `rough` 20 steps in
+  both engines, speed within 2 %, step time within 1 %. design/test_walking_gait.py
+* The walker over the sway: residuals of its targets by inverse dynamics, 1e-9; optimal by ProxQP where limits are
+  active. control/torques/test_linearisation.py. The law itself: control/test_frontal_law.py
+* Design, analyze, certificate, report and studio never contradict each other, near close pairs of zeros too.
+  gait/test_gait_verdict.py, zero_dynamics/reversal/test_planned.py, numerics/test_chebyshev.py
+* A start that keeps every bound survives the optimiser; what the peer finds is found. design/test_never_lost.py
+* The whole robot of a planar motion: stance foot at rest 1e-9, swing foot as in the plane, velocities as rates of the
+  pose, inverse dynamics balance within 1e-3 of the weight, MuJoCo's bodies where Pinocchio has them 1e-9; three robots.
+  simulation/test_whole_robot.py, simulation/test_whole_files.py
+* Own controllers: a gait replayed by joint name walks a step, step time within 2 %; wrong answers in one line.
+  control/test_joint_law.py, simulation/test_own_controllers.py
+* A gait or run finds its robot wherever the two are moved together. gait/test_robot_path.py
+* A robot's page: every link where Pinocchio has it after moving every slider, two robots, 2e-5 m.
+  viewer/test_joints_page.py
+* Pages do not scroll sideways at 400 px, the legend is below the picture, dark reaches plots and sky, spikes are
+  clipped; light meshes without debris; steps counted once. viewer/test_page_widths.py, viewer/test_robot_meshes.py,
+  viewer/test_pages.py
+* Every help example runs as printed; every option that writes checks its name, and nothing that is read is written
+  over. cli/test_help_examples.py, cli/test_arguments.py, cli/test_output.py
 * Cost of the reference and level-pelvis gaits: from the default start, checked on a grid 40 times denser than the
   optimiser's; 210.2 and 405.6 N^2 m s. design/test_design.py
 * Hybrid invariance and energy balance of a gait file: residuals below 1e-9. design/test_design.py, gait/test_gait.py
@@ -81,7 +103,7 @@ Each claim, how it is held, what was measured, and the tests that hold it:
   kinematics; markers, footsteps, camera, toggles, plots; no request, no console message.
   viewer/test_space_page_in_browser.py
 * Walks in space exported for Pinocchio and MuJoCo: there and back, and both engines, each reading the URDF itself, have
-  every link at one place and speed, five robots; 1e-12. simulation/space/test_conventions.py
+  every link at one place and speed, five robots; 1e-12. model/space/test_joint_arrays.py
 * The live viewer: ended by Ctrl+C, SIGTERM, SIGKILL, with browsers open, vanished and stalled; no process left, port
   free. viewer/test_live.py
 * Figures: width, size and overlap of all letters; 3.5 in, 8 pt, none. figures/test_figures.py
