@@ -1,24 +1,24 @@
 """One walker, two engines: what MuJoCo and our own simulator make of the same gait, side by side.
 
     frontal-biped design --spec rough -o gait.json
-    frontal-biped simulate gait.json --engine both --steps 1000 -o run.npz
+    frontal-biped simulate gait.json --engine both --steps 200 -v -o run.npz
     frontal-biped view run.mujoco.npz run.ours.npz --html page.html
 
 puts the same walker into both engines and prints what they make of it, beside the closed form:
 
     frontal_biped                         mujoco        ours        gait
-    steps walked                            1000        1000
-    step time, s                          0.5855      0.5868      0.5868
-      standard deviation, s               0.0005      0.0004
-    speed half-way down off by, %          -0.76       -0.08
-      at most, %                            0.92        0.10
-    largest output error, rad            5.6e-04     2.9e-04
-    largest slip of a foot, mm             0.048       0.000
-    largest rotation of a foot, rad      5.7e-04     0.0e+00
+    steps walked                             200         200
+    step time, s                          0.5863      0.5879      0.5877
+      standard deviation, s               0.0005      0.0003
+    speed half-way down off by, %          -0.90       -0.07
+      at most, %                            1.05        0.07
+    largest output error, rad            3.1e-03     1.3e-03
+    largest slip of a foot, mm             0.049       0.000
+    largest rotation of a foot, rad      5.8e-04     0.0e+00
     double support per step, ms              2.0         0.0
-    work of the joints per step, J          9.37        9.39
-    J, N^2 m s                            2434.5      2431.1      2431.3
-    largest torque, of its limit            0.41        0.37
+    work of the joints per step, J          9.22        9.25
+    J, N^2 m s                            2432.8      2431.2      2428.6
+    largest torque, of its limit            0.70        0.36
     unsolved control ticks                     0           0
 
 ``rough`` is a gait for this: a wide sway at nearly constant speed, the swing foot within 0.03 rad of level (with 0.1
