@@ -31,7 +31,7 @@ def main(steps: int = 3) -> None:
     gait = result.gait
     assert gait is not None, result.message
     analysis = fb.analyze(robot, gait, certify=False)
-    run = fb.simulate(robot, gait, steps=steps)  # continuous control; period=1e-3 holds the torques
+    run = fb.simulate(robot, gait, steps=steps, period=None)  # continuous control; else 1 kHz
     states = run.post_impact_states()
     print(f"certified              {analysis.certified}")
     print(f"cost J                 {analysis.cost:.2f} N^2 m s")

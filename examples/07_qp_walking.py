@@ -43,7 +43,9 @@ def main(steps: int = 10) -> None:
     assert torque <= robot.max_torque[0] and np.all((run.p_fri >= outer) & (run.p_fri <= inner))
 
     for stabiliser in ("fixed", "adaptive"):
-        off = fb.simulate(robot, gait, steps=3, speed_error=0.01, stabiliser=stabiliser, simulation_settings=QUICK)
+        off = fb.simulate(
+            robot, gait, steps=3, period=None, speed_error=0.01, stabiliser=stabiliser, simulation_settings=QUICK
+        )
         lost = np.max(np.abs(off.output_error))
         fate = "walks" if not off.fell else f"falls after {off.steps_completed} steps"
         size = f"{lost:.3f} rad" if lost > 1e-3 else "below 1e-5 rad" if lost < 1e-5 else f"{lost:.1e} rad"

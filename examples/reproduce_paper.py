@@ -143,7 +143,7 @@ def main(out: Path) -> None:
     reference, level = (fb.design_gait(robot, spec).gait for spec in (fb.GaitSpecification(), LEVEL))
     assert reference is not None and level is not None
     print("designed; simulating", flush=True)
-    run = fb.simulate(robot, level, steps=2, stabiliser="fixed")  # the paper's transitions
+    run = fb.simulate(robot, level, steps=2, period=None, stabiliser="fixed")  # the paper's transitions
     experiment = reversal_sensitivity(robot, level)
     errors = {run.shift: run.worst_output_error for run in experiment.of("fixed")}
     anchored = max(run.worst_output_error for run in experiment.of("re-anchored"))
@@ -165,7 +165,13 @@ def main(out: Path) -> None:
     for error in ERRORS:
         speed = energy_of.speed(level.beta_reversal - error) / level.orbit.beta_dot_after_impact - 1.0
         zoom[error] = fb.simulate(
-            robot, level, steps=1, speed_error=speed, stabiliser="fixed", simulation_settings=SETTINGS
+            robot,
+            level,
+            steps=1,
+            period=None,
+            speed_error=speed,
+            stabiliser="fixed",
+            simulation_settings=SETTINGS,
         )
     figures = {
         "conventions": conventions(robot, level.rising.motion(np.array([level.beta_reversal])).q[0]),

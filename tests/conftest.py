@@ -223,7 +223,7 @@ def orbit(biped: FrontalBiped, gait: Gait) -> Trajectory:
 
 @pytest.fixture(scope="session")
 def walk(biped: FrontalBiped, gait: Gait) -> Trajectory:
-    run = simulate(biped, gait, steps=4)
+    run = simulate(biped, gait, steps=4, period=None)
     assert not run.fell
     return run
 

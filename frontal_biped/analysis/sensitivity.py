@@ -94,7 +94,9 @@ def reversal_sensitivity(
             except ReversalError:
                 continue
             error = speed / gait.orbit.beta_dot_after_impact - 1.0
-            run = simulate(biped, gait, steps=1, speed_error=error, stabiliser=chosen, simulation_settings=SETTINGS)
+            run = simulate(
+                biped, gait, steps=1, period=None, speed_error=error, stabiliser=chosen, simulation_settings=SETTINGS
+            )
             reversals = run.events("REVERSAL")
             actual = run.event_state[reversals[0], 0] - gait.beta_reversal if len(reversals) else np.nan
             worst = float(np.max(np.abs(run.output_error)))
@@ -116,7 +118,7 @@ def simulated_multiplier(biped: FrontalBiped, gait: Gait, relative_step: float =
     """
     speed = []
     for sign in (+1.0, -1.0):
-        run = simulate(biped, gait, steps=1, speed_error=sign * relative_step, stabiliser="fixed")
+        run = simulate(biped, gait, steps=1, period=None, speed_error=sign * relative_step, stabiliser="fixed")
         speed.append(run.post_impact_speeds[-1] if not run.fell else np.nan)
     return float((speed[0] - speed[1]) / (2.0 * relative_step * gait.orbit.beta_dot_after_impact))
 
@@ -175,6 +177,7 @@ def speed_error_outcome(
         biped,
         gait,
         steps=steps,
+        period=None,
         speed_error=speed_error,
         stabiliser=stabiliser,
         controller_settings=controller_settings,

@@ -121,6 +121,7 @@ def _compute(
                 biped,
                 gait,
                 steps=STEPS,
+                period=None,
                 simulation_settings=CONTINUOUS,
                 on_step=lambda n: say(f"walking, continuous control, step {n}/{STEPS}"),
             )

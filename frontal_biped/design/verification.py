@@ -42,7 +42,7 @@ class Verification:
 
 def verify(biped: FrontalBiped, gait: Gait) -> Verification:
     """Simulate one step of the gait in the full model, control in continuous time."""
-    run = simulate(biped, gait, steps=1, simulation_settings=SETTINGS, stabiliser="fixed")
+    run = simulate(biped, gait, steps=1, period=None, simulation_settings=SETTINGS, stabiliser="fixed")
     states = run.post_impact_states()
     if run.fell or len(states) < 1:
         return Verification(run.outcome, float("inf"), float("inf"))

@@ -32,7 +32,7 @@ def simulate(
     gait: Gait,
     *,
     steps: int = 20,
-    period: float | None = None,
+    period: float | None = PERIOD,
     speed_error: float = 0.0,
     stance: Stance = Stance.LEFT,
     stabiliser: Stabiliser | str | None = None,
@@ -45,14 +45,15 @@ def simulate(
 ) -> Trajectory:
     """Walk a gait in the full model under the QP controller, from its periodic orbit.
 
-    With a control period and no stabiliser it is the `Walker` that walks, from sensor readings, as in `walk`: torques
-    that are held leave errors which phases over beta alone, on gaits of small range, do not survive.
+    By default, with a control period and no stabiliser, it is the `Walker` that walks, from sensor readings, as in
+    `walk`: torques that are held leave errors which phases over beta alone, on gaits of small range, do not survive.
 
     Args:
         biped: the robot.
         gait: the gait.
         steps: impacts after which to stop.
-        period: control period [s], a zero-order hold; None: the controller acts in continuous time.
+        period: control period [s], a zero-order hold, as of the command ``simulate``, which adds the stabiliser
+            "adaptive"; None: the controller acts in continuous time.
         speed_error: relative error of the first post-impact speed, all joints alike, so that the start stays on Z.
         stance: first stance foot.
         stabiliser: of a controller that is told the state: a stabiliser, or one of `STABILISERS` by name; default:
@@ -64,7 +65,8 @@ def simulate(
         simulation_settings: tolerances; ``steps`` and ``period`` above take precedence.
         controller: your own in place of the QP's, to which stabiliser and settings belong: a function of (t, q, v)
             that returns torques by joint name, as `joint_law` says, or an object with ``tick`` and ``reset`` as
-            `Walker`, both asked every ``period``, 1 ms if None; or with ``begin`` and ``command`` as `QpController`.
+            `Walker`, both asked every ``period`` (`PERIOD` if None); or with ``begin`` and ``command`` as
+            `QpController`.
         on_step: called with the number of completed steps.
 
     Returns:
@@ -129,7 +131,7 @@ def walk(
     *,
     engine: str = "mujoco",
     steps: int = 20,
-    period: float = 1e-3,
+    period: float = PERIOD,
     speed_error: float = 0.0,
     stance: Stance = Stance.LEFT,
     stabiliser: Stabiliser | str | None = None,

@@ -83,7 +83,9 @@ CASES = [
 def test_map_against_the_full_model(biped, request, name, stabiliser, error):
     """Two steps of the full model under continuous control from a speed error, against two steps of the map."""
     gait = request.getfixturevalue(f"{name}_gait")
-    run = simulate(biped, gait, steps=2, speed_error=error, stabiliser=stabiliser, simulation_settings=SETTINGS)
+    run = simulate(
+        biped, gait, steps=2, period=None, speed_error=error, stabiliser=stabiliser, simulation_settings=SETTINGS
+    )
     assert run.outcome == "completed"
     restricted = RestrictedMap(biped, gait, make_stabiliser(stabiliser, biped, gait))
     landed, speeds, reversals = restricted.start(1.0 + error), [], []
@@ -105,6 +107,7 @@ def landed_speeds(biped, gait, stabiliser, ratio):
         biped,
         gait,
         steps=1,
+        period=None,
         speed_error=float(ratio) - 1.0,
         stabiliser=restricted.stabiliser,
         simulation_settings=SimulationSettings(rtol=1e-8, atol=1e-10, record_rate=50.0),
@@ -165,7 +168,15 @@ def test_robust_gait_under_the_ankle_law_returns_from_far(biped, robust_gait):
     assert basin.low <= 0.4
     assert basin.high >= 1.8
     for error in (-0.6, 0.8):
-        run = simulate(biped, robust_gait, steps=6, speed_error=error, stabiliser="ankle", simulation_settings=SETTINGS)
+        run = simulate(
+            biped,
+            robust_gait,
+            steps=6,
+            period=None,
+            speed_error=error,
+            stabiliser="ankle",
+            simulation_settings=SETTINGS,
+        )
         assert run.outcome == "completed"
         assert run.post_impact_speeds[-1] == pytest.approx(robust_gait.orbit.beta_dot_after_impact, rel=1e-4)
         friction = robust_gait.specification.friction

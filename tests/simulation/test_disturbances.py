@@ -75,7 +75,7 @@ def test_observer_without_noise_follows_the_state(biped, robust_gait):
 
 def test_disturbances_need_a_period(biped, robust_gait):
     with pytest.raises(SimulationError, match="control period"):
-        simulate(biped, robust_gait, steps=1, disturbances=Disturbances(encoder_noise=1e-4))
+        simulate(biped, robust_gait, steps=1, period=None, disturbances=Disturbances(encoder_noise=1e-4))
 
 
 def test_unknown_stabiliser_is_named(biped, robust_gait):

@@ -27,7 +27,7 @@ def gait(request, reference_gait, level_gait):
 
 @pytest.fixture(scope="module")
 def run(biped, gait):
-    return simulate(biped, gait, steps=STEPS)
+    return simulate(biped, gait, steps=STEPS, period=None)
 
 
 @pytest.mark.slow
@@ -154,8 +154,8 @@ def test_right_foot_first_is_the_mirror_image(biped, level_gait):
     from frontal_biped.model import Stance
 
     settings = SimulationSettings(rtol=1e-8, atol=1e-10)
-    left = simulate(biped, level_gait, steps=1, simulation_settings=settings)
-    right = simulate(biped, level_gait, steps=1, simulation_settings=settings, stance=Stance.RIGHT)
+    left = simulate(biped, level_gait, steps=1, period=None, simulation_settings=settings)
+    right = simulate(biped, level_gait, steps=1, period=None, simulation_settings=settings, stance=Stance.RIGHT)
     assert np.array_equal(left.q, right.q)
     assert np.array_equal(left.stance, -right.stance)
     assert left.stance_y == pytest.approx(-right.stance_y)

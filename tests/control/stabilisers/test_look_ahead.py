@@ -84,7 +84,9 @@ def test_basin_covers_the_interval_of_the_design(biped, gait):
 def test_full_model_returns_within_its_limits(biped, request, name, error):
     """Continuous control by the quadratic program, all its limits active: four steps, each as the map says."""
     gait = request.getfixturevalue(f"{name}_gait")
-    run = simulate(biped, gait, steps=4, speed_error=error, stabiliser="adaptive", simulation_settings=SETTINGS)
+    run = simulate(
+        biped, gait, steps=4, period=None, speed_error=error, stabiliser="adaptive", simulation_settings=SETTINGS
+    )
     assert run.outcome == "completed"
     restricted = RestrictedMap(biped, gait, make_stabiliser("adaptive", biped, gait))
     landed, speeds = restricted.start(1.0 + error), [1.0 + error]

@@ -118,7 +118,14 @@ def test_twenty_steps_sampled(biped, reference_gait, clf_settings):
 @pytest.mark.slow
 def test_twenty_steps_in_continuous_time(biped, reference_gait, clf_settings):
     settings = SimulationSettings(rtol=1e-8, atol=1e-10)
-    run = simulate(biped, reference_gait, steps=20, controller_settings=clf_settings, simulation_settings=settings)
+    run = simulate(
+        biped,
+        reference_gait,
+        steps=20,
+        period=None,
+        controller_settings=clf_settings,
+        simulation_settings=settings,
+    )
     assert run.steps_completed == 20
     assert np.abs(run.output_error).max() < 1e-6  # on Z the least v is zero, and the state stays there
     states = run.post_impact_states()
