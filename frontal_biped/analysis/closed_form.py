@@ -8,10 +8,11 @@ from frontal_biped.analysis.motors import MotorDemand, motor_demand
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.files.json_values import for_json
 from frontal_biped.gait.check import ConstraintReport
-from frontal_biped.gait.gait import Gait, quadrature_error
+from frontal_biped.gait.gait import quadrature_error
+from frontal_biped.gait.given import GaitLike, gait_of
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.gait.verdict import Objection, judge
-from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.catalogue import RobotLike, biped_of
 from frontal_biped.numerics.verdict import Verdict, together
 from frontal_biped.zero_dynamics.poincare import HybridZeroDynamics
 from frontal_biped.zero_dynamics.reversal.certificate import ReversalCertificate, certify_reversal
@@ -154,8 +155,8 @@ def _table(rows: list[tuple[str, str]]) -> str:
 
 
 def analyze(
-    biped: FrontalBiped,
-    gait: Gait,
+    biped: RobotLike,
+    gait: GaitLike,
     specification: GaitSpecification | None = None,
     *,
     certify: bool = True,
@@ -164,8 +165,8 @@ def analyze(
     """Analyse a gait in closed form.
 
     Args:
-        biped: the robot.
-        gait: the gait.
+        biped: the robot, in any of its views, or by name or path.
+        gait: the gait, a design's result, or by name or path.
         specification: bounds to check against; default: those the gait was designed for.
         certify: count the reversal points as well? It takes a few seconds.
         in_space: say what it means for the whole robot as well? It reads the meshes of the feet.
@@ -173,7 +174,12 @@ def analyze(
     Returns:
         Orbit, reversal, residuals and constraints.
 
+    Raises:
+        RobotError: there is no such robot.
+        GaitFileError: there is no such gait.
+        DesignFailedError: the design found none.
     """
+    biped, gait = biped_of(biped), gait_of(gait)
     spec = specification or gait.specification
     judged = judge(biped, gait, spec)
     nodes, step = judged.nodes, judged.step

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,9 +20,11 @@ from frontal_biped.exceptions import SpecificationError, UnreachablePoseError
 from frontal_biped.files.provenance import software_versions
 from frontal_biped.gait.check import ConstraintReport
 from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.shipped import load_specification
 from frontal_biped.gait.specification import GaitSpecification, default_specification
 from frontal_biped.gait.verdict import judge
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.catalogue import RobotLike, biped_of
 from frontal_biped.numerics.verdict import Verdict
 
 OPTIMISER_NODES = 16
@@ -72,8 +75,8 @@ class DesignResult:
 # a nearest point without an orbit is told by its values, not by warnings
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def design_gait(
-    biped: FrontalBiped,
-    specification: GaitSpecification | None = None,
+    biped: RobotLike,
+    specification: GaitSpecification | str | Path | None = None,
     *,
     start: Gait | FloatArray | None = None,
     attempts: int = 1,
@@ -85,8 +88,9 @@ def design_gait(
     """Minimise J under C01 to C09.
 
     Args:
-        biped: the robot.
-        specification: the bounds; default: `default_specification`, what the robot's description asks for.
+        biped: the robot, in any of its views, or by name or path.
+        specification: the bounds, also by name or path as `load_specification`; default: `default_specification`,
+            what the robot's description asks for.
         start: a gait, or (P,) variables of `DesignProblem`, to start from; default: the problem's own start. One that
             keeps every bound is never lost: the gait designed costs no more.
         attempts: designs from as many starts, the further ones drawn at random (``seed`` of the specification) around
@@ -103,6 +107,9 @@ def design_gait(
         UnreachablePoseError: no double support pose exists at the start.
         SpecificationError: the FRI margin leaves no room in the robot's sole, or ``attempts`` is below 1.
     """
+    biped = biped_of(biped)
+    if isinstance(specification, str | Path):
+        specification = load_specification(specification)
     spec = default_specification(biped) if specification is None else specification
     outer, inner = biped.sole
     if 2.0 * spec.fri_margin >= inner - outer:

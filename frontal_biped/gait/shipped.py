@@ -51,15 +51,18 @@ def specification_names() -> list[str]:
 
 
 def load_specification(name_or_path: str | Path) -> GaitSpecification:
-    """A packaged specification by name, or the one in a file.
+    """The specification in a file, or else a packaged one by its name or that of its file.
 
     Raises:
         SpecificationError: there is none of that name, or the file cannot be used.
     """
     text = str(name_or_path)
-    if Path(text).suffix == ".toml" or Path(text).is_file():
-        return read_specification(Path(text))
     names = specification_names()
+    if Path(text).is_file():
+        return read_specification(text)
+    if Path(text).suffix == ".toml":
+        packaged = Path(text).name == text and Path(text).stem in names
+        return read_specification(specifications_dir() / text if packaged else text)
     if text not in names:
         close = difflib.get_close_matches(text, names, n=1)
         remedy = f"did you mean {close[0]!r}?" if close else f"known: {', '.join(names)}; or name a .toml file"

@@ -180,13 +180,13 @@ class GaitSpecification:
             raise SpecificationError(f"{where}: {error}") from None
 
 
-def read_specification(path: Path) -> GaitSpecification:
+def read_specification(path: Path | str) -> GaitSpecification:
     """Read a specification file (TOML); every key is optional.
 
     Raises:
         SpecificationError: the file is missing or malformed, a key is unknown, a value of the wrong type or range.
     """
-    return GaitSpecification.from_dict(load_toml(path, SpecificationError), str(path))
+    return GaitSpecification.from_dict(load_toml(Path(path), SpecificationError), str(path))
 
 
 def default_specification(biped: FrontalBiped) -> GaitSpecification:

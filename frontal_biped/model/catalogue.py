@@ -11,6 +11,9 @@ from frontal_biped.model.urdf.description import read_description
 
 DEFAULT_ROBOT = "frontal_biped"
 
+RobotLike = FrontalBiped | Robot | str | Path
+"""What `biped_of` takes."""
+
 
 def models_dir() -> Path:
     """Folder of the packaged robots: inside the installed wheel, or beside the package in a working copy."""
@@ -46,6 +49,32 @@ def load_robot(name_or_path: str | Path = DEFAULT_ROBOT) -> FrontalBiped:
         RobotError: nothing is found there, or the files cannot be used; `HypothesisError` names the hypothesis.
     """
     return FrontalBiped(load_whole_robot(name_or_path))
+
+
+def biped_of(robot: RobotLike) -> FrontalBiped:
+    """A robot as it is given to a function, seen in its frontal plane: any view of it, its name, or the path of a file.
+
+    Raises:
+        RobotError: there is none of that name, its files cannot be used, or what is given is none of these; one line.
+    """
+    return robot if isinstance(robot, FrontalBiped) else FrontalBiped(whole_of(robot))
+
+
+def whole_of(robot: RobotLike) -> Robot:
+    """The whole robot of what `biped_of` takes.
+
+    Raises:
+        RobotError: as `biped_of`; the frontal plane asks nothing of it yet.
+    """
+    if isinstance(robot, str | Path):
+        return load_whole_robot(robot)
+    whole = robot if isinstance(robot, Robot) else getattr(robot, "robot", None)  # another view has its robot
+    if not isinstance(whole, Robot):
+        raise RobotError(
+            f"robot = {type(robot).__name__}: no robot; give one, the name of a packaged robot, or the path of a"
+            " description (.toml) or URDF (.urdf)"
+        )
+    return whole
 
 
 def load_whole_robot(name_or_path: str | Path = DEFAULT_ROBOT) -> Robot:

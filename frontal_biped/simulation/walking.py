@@ -15,7 +15,9 @@ from frontal_biped.control.walker.walker import Walker
 from frontal_biped.exceptions import ControllerError, SimulationError
 from frontal_biped.gait.file import gait_to_dict
 from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.given import GaitLike, gait_of
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.catalogue import RobotLike, biped_of
 from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
@@ -28,8 +30,8 @@ from frontal_biped.simulation.trajectory import Trajectory
 
 
 def simulate(
-    biped: FrontalBiped,
-    gait: Gait,
+    biped: RobotLike,
+    gait: GaitLike,
     *,
     steps: int = 20,
     period: float | None = PERIOD,
@@ -49,8 +51,8 @@ def simulate(
     `walk`: torques that are held leave errors which phases over beta alone, on gaits of small range, do not survive.
 
     Args:
-        biped: the robot.
-        gait: the gait.
+        biped: the robot, in any of its views, or by name or path.
+        gait: the gait, a design's result, or by name or path.
         steps: impacts after which to stop.
         period: control period [s], a zero-order hold, as of the command ``simulate``, which adds the stabiliser
             "adaptive"; None: the controller acts in continuous time.
@@ -74,7 +76,11 @@ def simulate(
 
     Raises:
         ControllerError: your controller is none of these, fails, or returns no torques; one line.
+        RobotError: there is no such robot.
+        GaitFileError: there is no such gait.
+        DesignFailedError: the design found none.
     """
+    biped, gait = biped_of(biped), gait_of(gait)
     base = simulation_settings or SimulationSettings()
     settings = replace(base, steps=steps, period=period, disturbances=disturbances or base.disturbances)
     if controller is not None:

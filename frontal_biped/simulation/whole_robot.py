@@ -15,7 +15,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.robot import Robot
+from frontal_biped.model.catalogue import RobotLike, biped_of, whole_of
 from frontal_biped.model.space.free_robot import BASE, FreeRobot
 from frontal_biped.model.space.joint_arrays import ROOT
 from frontal_biped.model.space.whole_motion import WholeMotion
@@ -27,13 +27,11 @@ from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.simulation.world import drawable, even_times, neighbours
 
 
-def whole_motion(
-    robot: Robot | FrontalBiped | FreeRobot, run: Trajectory | SpatialRun, rate: float | None = None
-) -> WholeMotion:
+def whole_motion(robot: RobotLike | FreeRobot, run: Trajectory | SpatialRun, rate: float | None = None) -> WholeMotion:
     """A run, planar or in space, as a motion of every joint of the URDF.
 
     Args:
-        robot: whose run it is, in any of its three views.
+        robot: whose run it is, in any of its three views, or by name or path.
         run: as far as its postures are finite.
         rate: samples per second; None: the samples of the run, of which an event has two at one time.
 
@@ -46,10 +44,9 @@ def whole_motion(
         RobotError: virtual legs do not reach a pose; of a walk in space, a joint has more than one freedom; one line.
         HypothesisError: of a planar run, the robot is no frontal biped (HR1 to HR5).
     """
-    whole = robot if isinstance(robot, Robot) else robot.robot
     if isinstance(run, SpatialRun):
-        return _of_space(robot if isinstance(robot, FreeRobot) else FreeRobot(whole), run, rate)
-    return _of_plane(robot if isinstance(robot, FrontalBiped) else FrontalBiped(whole), run, rate)
+        return _of_space(robot if isinstance(robot, FreeRobot) else FreeRobot(whole_of(robot)), run, rate)
+    return _of_plane(biped_of(robot.robot if isinstance(robot, FreeRobot) else robot), run, rate)
 
 
 def _of_plane(biped: FrontalBiped, trajectory: Trajectory, rate: float | None) -> WholeMotion:

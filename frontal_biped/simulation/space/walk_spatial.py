@@ -7,9 +7,9 @@ from frontal_biped.control.joint_law import JointLaw
 from frontal_biped.control.spatial_walker.interface import SpatialTickable
 from frontal_biped.control.spatial_walker.law_walker import SpatialLawWalker
 from frontal_biped.control.spatial_walker.walker import SpatialWalker
-from frontal_biped.gait.gait import Gait
-from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.robot import Robot
+from frontal_biped.gait.file import gait_to_dict
+from frontal_biped.gait.given import GaitLike, gait_of
+from frontal_biped.model.catalogue import RobotLike, biped_of
 from frontal_biped.model.space.errors import SpatialErrors
 from frontal_biped.model.space.free_robot import FreeRobot
 from frontal_biped.model.stance_map import Stance
@@ -22,8 +22,8 @@ from frontal_biped.simulation.space.walking import walk_in_space
 
 
 def walk_spatial(
-    robot: Robot | FrontalBiped,
-    gait: Gait,
+    robot: RobotLike,
+    gait: GaitLike,
     *,
     speed: float = 0.0,
     steps: int = 20,
@@ -44,8 +44,8 @@ def walk_spatial(
     first step on, by what one step may change it.
 
     Args:
-        robot: the whole robot, or its view from the front.
-        gait: the planar gait to walk.
+        robot: the robot, in any of its views, or by name or path.
+        gait: the planar gait to walk, a design's result, or by name or path.
         speed: forwards [m/s].
         steps: landings after which to stop.
         commands: later changes of speed.
@@ -58,19 +58,21 @@ def walk_spatial(
             name, as `joint_law` says.
         stance: the first stance foot.
         on_step: called with the number of completed steps.
-        content: of the gait file, to be kept with the run.
+        content: of a gait file, to be kept with the run; default: the gait's.
 
     Returns:
         The run; a fall is an outcome, not an error.
 
     Raises:
         MissingExtraError: MuJoCo is not installed.
-        RobotError: a leg has not six joints, or a joint more than one freedom.
+        RobotError: there is no such robot, a leg has not six joints, or a joint more than one freedom.
         SimulationError: the legs do not reach the start of the gait, or a setting that makes no walk.
         HypothesisError: the robot is no frontal biped (HR1 to HR5).
         ControllerError: your controller fails, or returns no torques; one line.
+        GaitFileError: there is no such gait.
+        DesignFailedError: the design found none.
     """
-    biped = robot if isinstance(robot, FrontalBiped) else FrontalBiped(robot)
+    biped, gait = biped_of(robot), gait_of(gait)
     free = FreeRobot(biped.robot)
     chosen = settings or SpatialSettings(
         steps=steps, disturbances=disturbances or Disturbances(), pushes=pushes, commands=commands
@@ -82,4 +84,5 @@ def walk_spatial(
         or SpatialWalker(free, biped, gait, period=chosen.period, speed=speed, delay=chosen.disturbances.delay)
     )
     start = start_in_space(free, biped, gait.state_after_impact(), stance)
-    return walk_in_space(free, used, start, chosen, stance=stance, errors=errors, on_step=on_step, gait=content)
+    told = gait_to_dict(gait) if content is None else content
+    return walk_in_space(free, used, start, chosen, stance=stance, errors=errors, on_step=on_step, gait=told)
