@@ -8,12 +8,14 @@ The floating model adds the three freedoms of the stance foot. Its inverse dynam
 in one call the ground reaction (F_h, F_v), its moment N_0 about the ground point below the stance ankle, and u.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.exceptions import RobotError
 from frontal_biped.model.chain import GRAVITY, UPRIGHT
 from frontal_biped.model.robot import Robot
 from frontal_biped.model.urdf.reduction import FrontalReduction, reduce_to_frontal_plane
@@ -62,6 +64,31 @@ class FrontalBiped:
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by what it is made of: a worker process builds its own Pinocchio data."""
         return FrontalBiped, self._made_of
+
+    # ------------------------------------------------------------------ the same robot, changed
+    def with_mass(self, mass: float | Mapping[str, float]) -> "FrontalBiped":
+        """The robot with another total mass [kg], or other masses of links by URDF name [kg]: see `Robot.with_mass`.
+
+        Raises:
+            RobotError: as there, or this robot has errors of its own (`perturbed`).
+            HypothesisError: the legs are no longer mirror images (HR3); change the links of both.
+        """
+        return FrontalBiped(self._as_read.with_mass(mass))
+
+    def with_posture(self, posture: Mapping[str, float]) -> "FrontalBiped":
+        """The robot locked at another posture, angles by URDF name [rad]: see `Robot.with_posture`.
+
+        Raises:
+            RobotError: as there, or this robot has errors of its own (`perturbed`).
+            HypothesisError: there the robot is no frontal biped (HR1 to HR5); the message says what breaks.
+        """
+        return FrontalBiped(self._as_read.with_posture(posture))
+
+    @property
+    def _as_read(self) -> Robot:
+        if self.fingerprint != self.robot.fingerprint:
+            raise RobotError(f"{self.name}: has errors of its own (ModelErrors); change the robot they were put on")
+        return self.robot
 
     # ------------------------------------------------------------------ parameters
     @property

@@ -1,7 +1,8 @@
 """The whole robot in space: all that a URDF and its description say, before anything is reduced to a plane."""
 
 import sys
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -10,8 +11,10 @@ import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
+from frontal_biped.files.toml import finite_number
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.urdf.description import RobotDescription
+from frontal_biped.model.urdf.masses import with_link_masses, with_total_mass
 from frontal_biped.model.urdf.read import read_urdf
 from frontal_biped.model.urdf.soles import measure_sole
 from frontal_biped.model.urdf.whole_model import ROOT, build_described_model, posture_configuration
@@ -138,6 +141,38 @@ class Robot:
             RobotError: the URDF cannot be used, or the description does not fit it.
         """
         return cls(description, read_urdf(description.urdf))
+
+    def with_mass(self, mass: float | Mapping[str, float]) -> "Robot":
+        """The robot with another total mass, or with other masses of some links.
+
+        The bodies keep shape and centre of mass: inertias are scaled with the masses. The files do not change, but the
+        `fingerprint` does: a gait designed for the one robot is told from a gait of the other.
+
+        Args:
+            mass: of the whole robot [kg]; or of links, by their URDF names [kg], the others left as they are.
+
+        Raises:
+            RobotError: there is no such link, it has no mass to scale, or a mass is no positive number; one line.
+        """
+        where = f"{self.description.path}: with_mass"
+        if isinstance(mass, Mapping):
+            return Robot(self.description, with_link_masses(self.urdf_text, mass, where))
+        return Robot(self.description, with_total_mass(self.urdf_text, mass, where))
+
+    def with_posture(self, posture: Mapping[str, float]) -> "Robot":
+        """The robot locked at another posture in the plane, and starting from it in space: `[posture]` changed.
+
+        The files do not change, but the `fingerprint` does.
+
+        Args:
+            posture: angles by the joints' URDF names [rad]; the others stay as the description has them.
+
+        Raises:
+            RobotError: there is no such joint, or an angle is no number or out of its reach; one line.
+        """
+        where = f"{self.description.path}: with_posture"
+        angles = {name: finite_number(f"{where}: {name}", angle, RobotError) for name, angle in posture.items()}
+        return Robot(replace(self.description, posture={**self.description.posture, **angles}), self.urdf_text)
 
     @property
     def name(self) -> str:
