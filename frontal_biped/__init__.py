@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from frontal_biped.design.optimise import DesignResult, design_gait
     from frontal_biped.gait.file import load_gait, save_gait
     from frontal_biped.gait.gait import Gait
+    from frontal_biped.gait.shipped import load_specification
     from frontal_biped.gait.specification import GaitSpecification, read_specification
     from frontal_biped.model.biped import FrontalBiped
     from frontal_biped.model.catalogue import load_robot, robot_names
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from frontal_biped.simulation.trajectory import Trajectory, load_trajectory, save_trajectory
     from frontal_biped.simulation.walking import simulate
     from frontal_biped.simulation.whole_robot import whole_motion
+    from frontal_biped.viewer.view import View, view
 
 __docformat__ = "google"
 
@@ -54,12 +56,14 @@ __all__ = [
     "SpatialRun",
     "Trajectory",
     "TrialResult",
+    "View",
     "__version__",
     "analyze",
     "design_gait",
     "load_gait",
     "load_robot",
     "load_scenario",
+    "load_specification",
     "load_spatial_run",
     "load_trajectory",
     "read_specification",
@@ -70,6 +74,7 @@ __all__ = [
     "save_spatial_run",
     "save_trajectory",
     "simulate",
+    "view",
     "walk_spatial",
     "whole_motion",
 ]
@@ -84,11 +89,13 @@ _HOME = {
     "SpatialRun": "simulation",
     "Trajectory": "simulation",
     "TrialResult": "scenarios",
+    "View": "viewer",
     "analyze": "analysis",
     "design_gait": "design",
     "load_gait": "gait",
     "load_robot": "model",
     "load_scenario": "scenarios",
+    "load_specification": "gait",
     "load_spatial_run": "simulation",
     "load_trajectory": "simulation",
     "read_specification": "gait",
@@ -99,6 +106,7 @@ _HOME = {
     "save_spatial_run": "simulation",
     "save_trajectory": "simulation",
     "simulate": "simulation",
+    "view": "viewer",
     "walk_spatial": "simulation",
     "whole_motion": "simulation",
 }

@@ -35,7 +35,7 @@ MAY_IMPORT = {
     "simulation": ANYONE | MECHANICS | {"gait", "control"},
     "design": ANYONE | MECHANICS | {"gait", "simulation"},
     "analysis": ANYONE | MECHANICS | {"gait", "control", "simulation"},
-    "viewer": ANYONE | {"model", "virtual_constraints", "simulation"},
+    "viewer": ANYONE | {"model", "virtual_constraints", "gait", "simulation"},
     "library": ANYONE | {"model", "gait", "design"},
     "scenarios": ANYONE | {"model", "gait", "control", "simulation", "design"},
     "figures": ANYONE | MECHANICS | {"gait", "control", "simulation", "design", "analysis"},

@@ -7,6 +7,7 @@ from frontal_biped.analysis.in_space import SpaceAnalysis, analyse_in_space
 from frontal_biped.analysis.motors import MotorDemand, motor_demand
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.files.json_values import for_json
+from frontal_biped.files.shown import html_table
 from frontal_biped.gait.check import ConstraintReport
 from frontal_biped.gait.gait import quadrature_error
 from frontal_biped.gait.given import GaitLike, gait_of
@@ -100,14 +101,16 @@ class GaitAnalysis:
     @property
     def summary(self) -> str:
         """Three lines: what was reached, what is tightest, what it needs of the motors."""
+        return _table(self._head)
+
+    @property
+    def _head(self) -> list[tuple[str, str]]:
         holds = f"periodic, stable (multiplier {self.multiplier:.4f}), reverses where planned, keeps C01 to C09"
-        return _table(
-            [
-                ("certificate", f"yes: {holds}" if self.certified else self.certificate_text),
-                ("tightest", self.constraints.tightest),
-                ("motors", str(self.motors)),
-            ]
-        )
+        return [
+            ("certificate", f"yes: {holds}" if self.certified else self.certificate_text),
+            ("tightest", self.constraints.tightest),
+            ("motors", str(self.motors)),
+        ]
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -121,9 +124,25 @@ class GaitAnalysis:
         head = {"certified": self.certified, "verdict": self.verdict, "objections": list(self.objections)}
         return dict(for_json(head | table))
 
+    def __repr__(self) -> str:
+        return f"GaitAnalysis of {self.robot!r}\n{self.summary}"
+
+    def _repr_html_(self) -> str:
+        tables = [html_table([*self._head, *self._rows]), self.constraints._repr_html_()]
+        if self.in_space is not None:
+            tables.append(html_table([("in space", str(self.in_space))]))
+        return "\n".join(tables)
+
     def __str__(self) -> str:
+        blocks = [self.summary, _table(self._rows), str(self.constraints)]
+        if self.in_space is not None:
+            blocks.append(str(self.in_space))
+        return "\n\n".join(blocks)
+
+    @property
+    def _rows(self) -> list[tuple[str, str]]:
         r, (a, b) = self.reversal, self.reversal.sign_change
-        rows = [
+        return [
             ("J", f"{self.cost:.4f} N^2 m s"),
             ("step duration", f"{self.step_duration:.4f} s"),
             ("dbeta after impact", f"{self.speed_after_impact:.6f} rad/s"),
@@ -144,10 +163,6 @@ class GaitAnalysis:
                 f"{max(self.residuals.values()):.1e} ({max(self.residuals, key=lambda k: self.residuals[k])})",
             ),
         ]
-        blocks = [self.summary, _table(rows), str(self.constraints)]
-        if self.in_space is not None:
-            blocks.append(str(self.in_space))
-        return "\n\n".join(blocks)
 
 
 def _table(rows: list[tuple[str, str]]) -> str:

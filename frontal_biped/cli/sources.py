@@ -12,15 +12,12 @@ from frontal_biped.gait.file import gait_from_dict, load_gait
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.robot_path import description_file
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.catalogue import load_robot, robot_names
+from frontal_biped.model.catalogue import load_robot
 from frontal_biped.model.space.free_robot import FreeRobot
-from frontal_biped.simulation.orbit import orbit_trajectory
+from frontal_biped.simulation.orbit import VIEWED_STEPS, orbit_trajectory
 from frontal_biped.simulation.space.run import SpatialRun, load_spatial_run
 from frontal_biped.simulation.trajectory import Trajectory, load_trajectory
 from frontal_biped.simulation.walking import simulate
-
-VIEWED_STEPS = 6
-"""Of a gait that is shown."""
 
 
 class Source(NamedTuple):
@@ -85,11 +82,6 @@ class SpatialSource(NamedTuple):
     gait: Gait | None
     run: SpatialRun
     orbit: Trajectory | None
-
-
-def is_robot(path: Path) -> bool:
-    """Is it a robot, by name or file, rather than a gait or a run?"""
-    return path.suffix in (".toml", ".urdf") or (not path.is_file() and str(path) in robot_names())
 
 
 def is_spatial(path: Path) -> bool:

@@ -36,7 +36,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the page, or serve the view until it is interrupted."""
-    from frontal_biped.cli.sources import is_robot, is_spatial
+    from frontal_biped.cli.sources import is_spatial
+    from frontal_biped.model.catalogue import is_robot
     from frontal_biped.viewer.live import serve
     from frontal_biped.viewer.page import exported_page
 

@@ -18,6 +18,7 @@ from frontal_biped.design.verification import RETURN_TOLERANCE, Verification, ve
 from frontal_biped.design.walk_trial import WalkTrial
 from frontal_biped.exceptions import SpecificationError, UnreachablePoseError
 from frontal_biped.files.provenance import software_versions
+from frontal_biped.files.shown import html_table
 from frontal_biped.gait.check import ConstraintReport
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.shipped import load_specification
@@ -70,6 +71,19 @@ class DesignResult:
     verification: Verification | None = None
     walk: WalkTrial | None = None
     tightened: tuple[Tightening, ...] = ()
+
+    def __repr__(self) -> str:
+        return "DesignResult" + "".join(f"\n{name:8} {text}" for name, text in self._rows)
+
+    def _repr_html_(self) -> str:
+        report = "" if self.report is None else "\n" + self.report._repr_html_()
+        return html_table(self._rows) + report
+
+    @property
+    def _rows(self) -> list[tuple[str, str]]:
+        work = f"{self.iterations} iterations, {self.evaluations} evaluations, {self.seconds:.1f} s"
+        rows = [("gait", "none" if self.gait is None else repr(self.gait)), ("message", self.message), ("search", work)]
+        return rows if self.walk is None else [*rows, ("walk", str(self.walk))]
 
 
 # a nearest point without an orbit is told by its values, not by warnings

@@ -266,15 +266,22 @@ def all_space_figures(
     Raises:
         MissingExtraError: Matplotlib is not installed.
     """
+    makers = space_figure_makers(robot, run, gait, orbit)
+    return [(name, makers[name]()) for name in SPACE_FIGURES]
+
+
+def space_figure_makers(
+    robot: FreeRobot, run: SpatialRun, gait: Gait | None = None, orbit: Trajectory | None = None
+) -> "dict[str, Callable[[], Figure]]":
+    """What makes each of `SPACE_FIGURES`, by name; arguments as `all_space_figures`."""
     seen = drawable_part(run)
-    makers: dict[str, Callable[[], Figure]] = {
+    return {
         "footsteps": lambda: footsteps_figure(robot, seen),
         "pressure": lambda: pressure_figure(robot, seen),
         "frontal_state": lambda: frontal_state_figure(seen, gait, orbit),
         "speed": lambda: speed_figure(seen),
         "joint_limits": lambda: joint_limits_figure(robot, seen),
     }
-    return [(name, makers[name]()) for name in SPACE_FIGURES]
 
 
 def write_space_figures(

@@ -96,9 +96,9 @@ def styled(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
 def new_figure(name: str, height: float, width: float = COLUMN) -> "Figure":
     """An empty figure of the given size [in]; its name seeds the ids of its SVG."""
-    from matplotlib.figure import Figure
+    from frontal_biped.figures.inline import InlineFigure
 
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = InlineFigure(figsize=(width, height), layout="constrained")
     figure.set_label(name)
     return figure
 

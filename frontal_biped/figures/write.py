@@ -84,7 +84,22 @@ def all_figures(
         if gait is None:
             raise ValueError("figures need a gait or a run")
         trajectory = orbit_trajectory(biped, gait)
-    run = trajectory
+    makers = figure_makers(biped, gait, trajectory)
+    if gait is not None:
+        landing = _landing(biped, gait)
+        if landing is not None:
+            makers["free_landing"] = lambda: free_landing_figure(landing, biped.description.other_armature)
+    return [(name, makers[name]()) for name in (*FIGURES, *FIGURES_IN_SPACE) if name in makers]
+
+
+def figure_makers(biped: FrontalBiped, gait: Gait | None, run: Trajectory) -> "dict[str, Callable[[], Figure]]":
+    """What makes each of `FIGURES` that the given data allow, by name.
+
+    Args:
+        biped: the robot.
+        gait: the gait; None: there are no energy figures.
+        run: the run.
+    """
     makers: dict[str, Callable[[], Figure]] = {
         "joint_angles": lambda: joint_angles(run),
         "snapshots": lambda: snapshots(biped, run),
@@ -97,10 +112,7 @@ def all_figures(
         known = gait
         makers["energy"] = lambda: energy(biped, known)
         makers["barrier"] = lambda: energy_barrier(biped, known, run)
-        landing = _landing(biped, known)
-        if landing is not None:
-            makers["free_landing"] = lambda: free_landing_figure(landing, biped.description.other_armature)
-    return [(name, makers[name]()) for name in (*FIGURES, *FIGURES_IN_SPACE) if name in makers]
+    return makers
 
 
 def _landing(biped: FrontalBiped, gait: Gait) -> FreeLandingReport | None:

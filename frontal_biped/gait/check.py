@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from frontal_biped.files.shown import html_table
 from frontal_biped.gait.constraints import Constraint, SoleHeights, holding_limits, sole_heights, step_constraints
 from frontal_biped.gait.gait import MIN_NODES
 from frontal_biped.gait.holding_wrench import StepHolding, step_holding
@@ -114,6 +115,18 @@ class ConstraintReport:
             f" margin {_of(least.margin, least)}"
         )
 
+    def __repr__(self) -> str:
+        return f"ConstraintReport: {len(self.checks)} constraints on {self.points} points a phase; {self.tightest}"
+
+    def _repr_html_(self) -> str:
+        return html_table(
+            [
+                (c.code, c.name, f"{c.value:.6g}", f"{c.bound:.4g}", f"{c.margin:.3g}", c.unit, _kept(c))
+                for c in self.checks
+            ],
+            ("", "constraint", "value", "bound", "margin", "unit", ""),
+        )
+
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
         return {
@@ -124,7 +137,11 @@ class ConstraintReport:
 
     def __str__(self) -> str:
         head = f"{'':15} {'constraint':43} {'value':>12} {'bound':>10} {'margin':>11}"
-        return "\n".join([head, *(f"{check}{'' if check.satisfied else '  VIOLATED'}" for check in self.checks)])
+        return "\n".join([head, *(f"{check}  {_kept(check)}".rstrip() for check in self.checks)])
+
+
+def _kept(check: ConstraintCheck) -> str:
+    return "" if check.satisfied else "VIOLATED"
 
 
 def _of(value: float, check: ConstraintCheck) -> str:

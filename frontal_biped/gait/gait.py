@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.files.shown import ShownAsPage
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.gait.whole_orbit import whole_orbit
 from frontal_biped.model.biped import FrontalBiped
@@ -60,7 +61,7 @@ class OrbitNumbers:
 
 
 @dataclass(frozen=True)
-class Gait:
+class Gait(ShownAsPage):
     """A gait, ready for the controller.
 
     Attributes:
@@ -80,6 +81,13 @@ class Gait:
     orbit: OrbitNumbers
     specification: GaitSpecification = field(default_factory=GaitSpecification)
     provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        orbit = self.orbit
+        return (
+            f"Gait of {self.robot.name!r}: steps of {orbit.step_duration:.4f} s, {self.step_width:.3f} m wide,"
+            f" J = {orbit.cost:.4g} N^2 m s, multiplier {orbit.multiplier:.4f}"
+        )
 
     @property
     def beta_reversal(self) -> float:

@@ -146,6 +146,11 @@ class GaitSpecification:
                 )
             object.__setattr__(self, "cop_margin_x", margin)
 
+    def __repr__(self) -> str:
+        """What differs from the reference specification."""
+        given = [(f.name, getattr(self, f.name)) for f in fields(self) if getattr(self, f.name) != f.default]
+        return f"GaitSpecification({', '.join(f'{name}={value!r}' for name, value in given)})"
+
     @property
     def bounds_holding_wrench(self) -> bool:
         """Does it bound what the ground must hold when the whole robot walks?"""

@@ -16,6 +16,7 @@ import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
+from frontal_biped.files.shown import ShownAsPage
 from frontal_biped.model.chain import GRAVITY, UPRIGHT
 from frontal_biped.model.robot import Robot
 from frontal_biped.model.urdf.reduction import FrontalReduction, reduce_to_frontal_plane
@@ -23,7 +24,7 @@ from frontal_biped.model.urdf.reduction import FrontalReduction, reduce_to_front
 BASE = 3  # freedoms of the stance foot in the floating model
 
 
-class FrontalBiped:
+class FrontalBiped(ShownAsPage):
     """A robot in its frontal plane, in stance coordinates q = (stance ankle, stance hip, swing hip, swing ankle).
 
     All angles in rad, frame (h, v): h horizontal from the stance foot towards the swing foot, v up, origin on the
@@ -60,6 +61,14 @@ class FrontalBiped:
         self._q = np.zeros(self.floating.nv)
         self._dq = np.zeros(self.floating.nv)
         self._ddq = np.zeros(self.floating.nv)
+
+    def __repr__(self) -> str:
+        outer, inner = (1e3 * end for end in self.sole)
+        return (
+            f"{type(self).__name__} {self.name!r}: {self.mass:.1f} kg, legs {self.leg_length:.3g} m, hips"
+            f" {self.hip_width:.3g} m apart, sole {outer:+.0f} to {inner:+.0f} mm from the ankle,\n  at most"
+            f" {self.max_torque[0]:g} N m at the ankles, {self.max_torque[1]:g} N m at the hips; {self.path.name}"
+        )
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by what it is made of: a worker process builds its own Pinocchio data."""

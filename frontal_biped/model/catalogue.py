@@ -35,6 +35,11 @@ def is_packaged(description: Path) -> bool:
     return description.parent.resolve() == models_dir().resolve()
 
 
+def is_robot(path: Path) -> bool:
+    """Is it a robot, by name or file, rather than a gait or a run?"""
+    return path.suffix in (".toml", ".urdf") or (not path.is_file() and str(path) in robot_names())
+
+
 def load_robot(name_or_path: str | Path = DEFAULT_ROBOT) -> FrontalBiped:
     """Load a robot, seen in its frontal plane, and check it against HR1 to HR5.
 

@@ -11,6 +11,7 @@ import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
+from frontal_biped.files.shown import ShownAsPage
 from frontal_biped.files.toml import finite_number
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.urdf.description import RobotDescription
@@ -99,7 +100,7 @@ class Soles(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Robot:
+class Robot(ShownAsPage):
     """A robot in space: every joint of its URDF on a free-flying root, upright at the posture of its description.
 
     It holds no work data, so threads may share it, and it pickles by content: a robot of a changed description is
@@ -127,6 +128,9 @@ class Robot:
         model = build_described_model(self.description, self.urdf_text)
         object.__setattr__(self, "model", model)
         object.__setattr__(self, "posture", _read_only(posture_configuration(model, self.description)))
+
+    def __repr__(self) -> str:
+        return f"Robot {self.name!r}: {self.mass:.1f} kg, {len(self.joint_names)} joints; {self.description.path.name}"
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by content, never by path; soles that were measured travel along, for the meshes may not."""

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.control.interface import Contract
+from frontal_biped.files.shown import html_table
 from frontal_biped.gait.file import gait_to_dict
 from frontal_biped.scenarios.controllers import Factory, make_controller
 from frontal_biped.scenarios.expectations import Finding, judge, measures
@@ -68,6 +69,17 @@ class TrialResult:
         lines = [head + (f": {drawn}" if drawn else "")]
         lines += [f"  {'held  ' if finding.held else 'FAILED'}  {finding.text}" for finding in self.findings]
         return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        held = sum(finding.held for finding in self.findings)
+        return (
+            f"TrialResult of {self.scenario!r}, trial {self.number} of seed {self.seed}, in {self.simulator!r}:"
+            f" {self.outcome}, {held} of {len(self.findings)} expectations hold"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = [("held" if finding.held else "FAILED", finding.text) for finding in self.findings]
+        return html_table(rows, ("", repr(self)))
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON; numbers that are not finite become None."""

@@ -7,6 +7,9 @@ from frontal_biped.gait.orbit_samples import phase_samples
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import COMPLETED, Trajectory
 
+VIEWED_STEPS = 6
+"""Of a gait that is shown."""
+
 ORBIT = "periodic orbit"
 """``settings["source"]`` of a run that was not simulated."""
 

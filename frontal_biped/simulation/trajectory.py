@@ -17,6 +17,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.files.archive import ArchiveKind, read_archive, write_archive
 from frontal_biped.files.kinds import RUN
+from frontal_biped.files.shown import Plotted, ShownAsPage
 from frontal_biped.gait.robot_path import with_found_description, with_stored_description
 from frontal_biped.model.stance_map import Stance, StanceMap
 from frontal_biped.model.urdf.description import ROLL_JOINTS
@@ -32,7 +33,7 @@ COMPLETED = "completed"
 
 
 @dataclass(frozen=True)
-class Trajectory:
+class Trajectory(ShownAsPage, Plotted):
     """A simulated walk, time first. Left stance is +1, right stance -1; rising is +1, falling -1.
 
     Events appear as two samples at one time, before and after.
@@ -82,6 +83,12 @@ class Trajectory:
     steps_completed: int
     gait: Mapping[str, Any] = field(default_factory=dict)
     settings: Mapping[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return (
+            f"Trajectory of {self.robot!r}: {self.outcome}, {self.steps_completed} steps in {float(self.t[-1]):.2f} s,"
+            f" {len(self.t)} samples;\n  positions, velocities, torques by joint: {', '.join(ROLL_JOINTS)}"
+        )
 
     @property
     def fell(self) -> bool:

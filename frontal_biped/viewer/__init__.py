@@ -18,6 +18,8 @@ it, the camera goes along. Both soles' forces stand at their centres of pressure
 footsteps stay on the ground, the planned foothold is dashed, pushes are red. Beside it the frontal phase portrait runs
 along its closed form; plots of speed, pressure and the largest shares of the joints' limits below.
 
+In a notebook ``fb.view(run)`` shows the same page inline, and its ``save`` writes it.
+
 Without ``--html`` the same page is served live at the address that is printed, on this machine only (from another one:
 ``ssh -L 7000:127.0.0.1:7000``), until Ctrl+C or SIGTERM. The server is a thread of the command: nothing outlives it.
 """
@@ -25,10 +27,13 @@ Without ``--html`` the same page is served live at the address that is printed, 
 from frontal_biped.viewer.live import LiveViewer, view_live
 from frontal_biped.viewer.page import animation_page
 from frontal_biped.viewer.space_page import space_page
+from frontal_biped.viewer.view import View, view
 
 __all__ = [
     "LiveViewer",
+    "View",
     "animation_page",
     "space_page",
+    "view",
     "view_live",
 ]

@@ -8,6 +8,7 @@ import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
+from frontal_biped.files.shown import ShownAsPage
 from frontal_biped.model.chain import GRAVITY
 from frontal_biped.model.robot import JointLimits, Robot, Soles
 from frontal_biped.model.stance_map import Stance
@@ -24,7 +25,7 @@ BASE = 6
 
 
 @dataclass(frozen=True, eq=False)
-class FreeRobot:
+class FreeRobot(ShownAsPage):
     """A robot on a free base.
 
     Configurations are q = (x, y, z, qx, qy, qz, qw, joints) of the root link in the world, velocities
@@ -46,6 +47,10 @@ class FreeRobot:
     locked: tuple[str, ...] = field(init=False)
     posture: FloatArray = field(init=False, repr=False)
     sole_frames: tuple[int, int] = field(init=False, repr=False)
+
+    def __repr__(self) -> str:
+        held = f", {len(self.locked)} held" if self.locked else ""
+        return f"FreeRobot {self.name!r}: {self.mass:.1f} kg, {len(self.joint_names)} joints that move{held}"
 
     def __post_init__(self) -> None:
         full, posture = self.robot.model, self.robot.posture

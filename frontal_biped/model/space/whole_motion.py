@@ -53,6 +53,12 @@ class WholeMotion:
     step: FloatArray
     held: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        return (
+            f"WholeMotion of {self.robot.name!r}: {len(self.t)} samples in {float(self.t[-1] - self.t[0]):.2f} s,"
+            f" {len(self.joint_names)} joints; positions, velocities, torques by joint; pinocchio, mujoco"
+        )
+
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
         """(n) every joint of the URDF that has one freedom, in Pinocchio's order."""

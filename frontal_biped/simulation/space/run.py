@@ -17,6 +17,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import TrajectoryFileError
 from frontal_biped.files.archive import ArchiveKind, read_archive, write_archive
 from frontal_biped.files.kinds import SPACE_RUN
+from frontal_biped.files.shown import Plotted, ShownAsPage
 from frontal_biped.gait.robot_path import with_found_description, with_stored_description
 from frontal_biped.model.space.free_robot import BASE
 from frontal_biped.model.space.joint_arrays import ROOT
@@ -27,7 +28,7 @@ KIND = ArchiveKind(SPACE_RUN, 1, "write one with `frontal-biped walk ROBOT -o RU
 
 
 @dataclass(frozen=True, eq=False)
-class SpatialRun:
+class SpatialRun(ShownAsPage, Plotted):
     """A walk of a `FreeRobot`, time first, both soles left before right. World: X forward, Y left, Z up, ground z = 0.
 
     Events appear as two samples at one time, before and after. Frontal states are stance coordinates, as in the plane.
@@ -105,6 +106,14 @@ class SpatialRun:
     steps_completed: int
     gait: Mapping[str, Any] = field(default_factory=dict)
     settings: Mapping[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        way = float(self.com[-1, 0] - self.com[0, 0])
+        return (
+            f"SpatialRun of {self.robot!r}: {self.outcome}, {self.steps_completed} steps, {way:.2f} m in"
+            f" {float(self.t[-1]):.2f} s, {len(self.t)} samples;\n  positions, velocities, torques by joint, of"
+            f" {len(self.joint_names)} joints"
+        )
 
     @property
     def fell(self) -> bool:
