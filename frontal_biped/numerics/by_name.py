@@ -1,7 +1,8 @@
 """Columns of an array by name, and what is said of a name that is none of them."""
 
 import difflib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cached_property
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import UnknownNameError
@@ -14,20 +15,35 @@ class Columns(Mapping[str, FloatArray]):
         names: (n) of the columns, in their order.
         values: (T, n).
         what: a name stands for, in the singular, for messages.
+        others: asked once, when a name is none of them: columns under other names, which are not counted among these.
 
     Raises:
         UnknownNameError: asked for a name that is none of them; a `KeyError` too, so that ``get`` and ``in`` work.
     """
 
-    def __init__(self, names: Sequence[str], values: FloatArray, what: str = "joint") -> None:
+    def __init__(
+        self,
+        names: Sequence[str],
+        values: FloatArray,
+        what: str = "joint",
+        others: "Callable[[], Columns | None] | None" = None,
+    ) -> None:
         self._column = {name: i for i, name in enumerate(names)}
-        self._values, self._what = values, what
+        self._values, self._what, self._others = values, what, others
 
     def __getitem__(self, name: str) -> FloatArray:
         if name not in self._column:
-            raise UnknownNameError(f"no {self._what} {name!r}; {suggestion(name, tuple(self._column))}")
+            also = self._also
+            if also is not None and name in also:
+                return also[name]
+            known = (*self._column, *(also or ()))
+            raise UnknownNameError(f"no {self._what} {name!r}; {suggestion(name, known)}")
         column: FloatArray = self._values[:, self._column[name]]
         return column
+
+    @cached_property
+    def _also(self) -> "Columns | None":
+        return None if self._others is None else self._others()
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._column)

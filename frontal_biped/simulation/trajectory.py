@@ -15,10 +15,12 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.exceptions import RobotError
 from frontal_biped.files.archive import ArchiveKind, read_archive, write_archive
 from frontal_biped.files.kinds import RUN
 from frontal_biped.files.shown import Plotted, ShownAsPage
 from frontal_biped.gait.robot_path import with_found_description, with_stored_description
+from frontal_biped.gait.told_robot import told_robot
 from frontal_biped.model.stance_map import Stance, StanceMap
 from frontal_biped.model.urdf.description import ROLL_JOINTS
 from frontal_biped.numerics.by_name import Columns
@@ -104,23 +106,36 @@ class Trajectory(ShownAsPage, Plotted):
     def positions(self) -> Columns:
         """(T,) angles of the four roll joints by `ROLL_JOINTS`, of child against parent about +X, 0 upright [rad].
 
-        These names tell a leg, whichever foot stands. `whole_motion` has every joint under its URDF name.
+        These names tell a leg, whichever foot stands. The URDF's own names of these joints are taken too, where the
+        robot that the run names is found: about their axes and from their zeros, which may be others. `whole_motion`
+        has every joint of the robot under its URDF name.
         """
-        return self._by_name(_ABOUT_X.positions_to_urdf, self.q)
+        return self._by_name(StanceMap.positions_to_urdf, self.q)
 
     @property
     def velocities(self) -> Columns:
         """(T,) rates of the four roll joints, as `positions` [rad/s]."""
-        return self._by_name(_ABOUT_X.velocities_to_urdf, self.dq)
+        return self._by_name(StanceMap.velocities_to_urdf, self.dq)
 
     @property
     def torques(self) -> Columns:
         """(T,) torques of the four roll joints, as `positions` [N m]."""
-        return self._by_name(_ABOUT_X.torques_to_urdf, self.u)
+        return self._by_name(StanceMap.torques_to_urdf, self.u)
 
-    def _by_name(self, convert: Callable[[FloatArray, Stance], FloatArray], values: FloatArray) -> Columns:
+    def _by_name(self, convert: Callable[[StanceMap, FloatArray, Stance], FloatArray], values: FloatArray) -> Columns:
         left = (self.stance > 0.0)[:, None]
-        return Columns(ROLL_JOINTS, np.where(left, convert(values, Stance.LEFT), convert(values, Stance.RIGHT)))
+
+        def columns(by: StanceMap, others: Callable[[], Columns | None] | None = None) -> Columns:
+            found = np.where(left, convert(by, values, Stance.LEFT), convert(by, values, Stance.RIGHT))
+            return Columns(by.joint_names, found, others=others)
+
+        def by_urdf() -> Columns | None:
+            try:
+                return columns(told_robot(self.gait, self.robot).stance_map)
+            except RobotError:
+                return None  # a run from elsewhere has the four names only
+
+        return columns(_ABOUT_X, by_urdf)
 
     def events(self, kind: str) -> FloatArray:
         """(k,) indices of the events of one kind."""
