@@ -254,6 +254,10 @@ class Scenario:
     space: SpacePlan | None = None
     expect: Expectations = field(default_factory=Expectations)
 
+    def __repr__(self) -> str:
+        about = f"; {self.about}" if self.about else ""
+        return f"Scenario {self.name!r}: {self.robot!r}, {self.steps} steps in {self.simulator!r}{about}"
+
     @property
     def push_moments(self) -> list[Moment]:
         """When the pushes begin, in the plane or in space."""
