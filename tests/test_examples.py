@@ -154,19 +154,44 @@ def code_cells(notebook):
     return [cell for cell in notebook.cells if cell.cell_type == "code"]
 
 
-def test_outputs_of_the_reversal_are_stored():
-    path = EXAMPLES / "reversal.ipynb"
-    assert path.stat().st_size < 150_000
+IN_A_NOTEBOOK = "g1_in_a_notebook.ipynb"
+
+
+@pytest.mark.parametrize(("name", "most"), [("reversal.ipynb", 150_000), (IN_A_NOTEBOOK, 300_000)])
+def test_outputs_of_a_notebook_are_stored(name, most):
+    path = EXAMPLES / name
+    assert path.stat().st_size < most
     cells = code_cells(nbformat.read(path, as_version=4))
     assert len(cells) >= 5 and all(cell.outputs for cell in cells)
     stored = json.dumps([cell.outputs for cell in cells])
     assert [word for word in ("/home", "/root", "/tmp", "Traceback", "Warning") if word in stored] == []
 
 
+def written_lines(cell):
+    """Lines of code that are not blank."""
+    return [line for line in cell.source.splitlines() if line.strip()]
+
+
+def test_five_tasks_of_a_new_user_take_at_most_six_lines_each():
+    notebook = nbformat.read(EXAMPLES / IN_A_NOTEBOOK, as_version=4)
+    first = next(i for i, cell in enumerate(notebook.cells) if cell.source.startswith("## Five things"))
+    tasks = [cell for cell in notebook.cells[first:] if cell.cell_type == "code"]
+    for cell, call in zip(tasks, ("with_mass", "step_width", "run.torques", "controller=law", "fb.view"), strict=True):
+        assert call in cell.source
+        assert len(written_lines(cell)) <= 6, cell.source
+    assert sum(len(written_lines(cell)) for cell in code_cells(notebook)) <= 50
+
+
 @pytest.mark.slow
-def test_reversal_prints_what_is_stored(tmp_path):
-    stored = code_cells(nbformat.read(EXAMPLES / "reversal.ipynb", as_version=4))
-    for cell, wanted in zip(code_cells(executed("reversal.ipynb", tmp_path)), stored, strict=True):
+@pytest.mark.parametrize("name", ["reversal.ipynb", IN_A_NOTEBOOK])
+def test_a_notebook_prints_what_is_stored(name, tmp_path):
+    if name == IN_A_NOTEBOOK:
+        pytest.importorskip("mujoco")
+    stored = code_cells(nbformat.read(EXAMPLES / name, as_version=4))
+    cells = code_cells(executed(name, tmp_path))
+    pages = [part for cell in cells for part in cell.outputs if "srcdoc" in part.get("data", {}).get("text/html", "")]
+    assert len(pages) == (3 if name == IN_A_NOTEBOOK else 0)  # they are not stored
+    for cell, wanted in zip(cells, stored, strict=True):
         assert_same(printed_by(cell), printed_by(wanted))
         assert [part.output_type for part in cell.outputs if part.output_type != "stream"] == [
             part.output_type for part in wanted.outputs if part.output_type != "stream"

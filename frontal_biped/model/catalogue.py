@@ -7,11 +7,12 @@ from pathlib import Path
 from frontal_biped.exceptions import RobotError
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.robot import Robot
+from frontal_biped.model.space.free_robot import FreeRobot
 from frontal_biped.model.urdf.description import read_description
 
 DEFAULT_ROBOT = "frontal_biped"
 
-RobotLike = FrontalBiped | Robot | str | Path
+RobotLike = FrontalBiped | Robot | FreeRobot | str | Path
 """What `biped_of` takes."""
 
 
@@ -73,13 +74,14 @@ def whole_of(robot: RobotLike) -> Robot:
     """
     if isinstance(robot, str | Path):
         return load_whole_robot(robot)
-    whole = robot if isinstance(robot, Robot) else getattr(robot, "robot", None)  # another view has its robot
-    if not isinstance(whole, Robot):
-        raise RobotError(
-            f"robot = {type(robot).__name__}: no robot; give one, the name of a packaged robot, or the path of a"
-            " description (.toml) or URDF (.urdf)"
-        )
-    return whole
+    if isinstance(robot, Robot):
+        return robot
+    if isinstance(robot, FrontalBiped | FreeRobot):
+        return robot.robot
+    raise RobotError(
+        f"robot = {type(robot).__name__}: no robot; give one, the name of a packaged robot, or the path of a description"
+        " (.toml) or URDF (.urdf)"
+    )
 
 
 def load_whole_robot(name_or_path: str | Path = DEFAULT_ROBOT) -> Robot:

@@ -9,6 +9,7 @@ simulator can be written with `save_trajectory` and watched.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -129,13 +130,15 @@ class Trajectory(ShownAsPage, Plotted):
             found = np.where(left, convert(by, values, Stance.LEFT), convert(by, values, Stance.RIGHT))
             return Columns(by.joint_names, found, others=others)
 
-        def by_urdf() -> Columns | None:
-            try:
-                return columns(told_robot(self.gait, self.robot).stance_map)
-            except RobotError:
-                return None  # a run from elsewhere has the four names only
+        return columns(_ABOUT_X, lambda: None if self._urdf_joints is None else columns(self._urdf_joints))
 
-        return columns(_ABOUT_X, by_urdf)
+    @cached_property
+    def _urdf_joints(self) -> StanceMap | None:
+        """The roll joints as the URDF has them; None for a run of a robot that is not found, which has no other names."""
+        try:
+            return told_robot(self.gait, self.robot).stance_map
+        except RobotError:
+            return None
 
     def events(self, kind: str) -> FloatArray:
         """(k,) indices of the events of one kind."""

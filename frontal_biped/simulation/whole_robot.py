@@ -27,7 +27,7 @@ from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.simulation.world import drawable, even_times, neighbours
 
 
-def whole_motion(robot: RobotLike | FreeRobot, run: Trajectory | SpatialRun, rate: float | None = None) -> WholeMotion:
+def whole_motion(robot: RobotLike, run: Trajectory | SpatialRun, rate: float | None = None) -> WholeMotion:
     """A run, planar or in space, as a motion of every joint of the URDF.
 
     Args:
@@ -46,7 +46,7 @@ def whole_motion(robot: RobotLike | FreeRobot, run: Trajectory | SpatialRun, rat
     """
     if isinstance(run, SpatialRun):
         return _of_space(robot if isinstance(robot, FreeRobot) else FreeRobot(whole_of(robot)), run, rate)
-    return _of_plane(biped_of(robot.robot if isinstance(robot, FreeRobot) else robot), run, rate)
+    return _of_plane(biped_of(robot), run, rate)
 
 
 def _of_plane(biped: FrontalBiped, trajectory: Trajectory, rate: float | None) -> WholeMotion:

@@ -28,7 +28,7 @@ from frontal_biped.viewer.space_page import space_show
 HEIGHT = 640
 """Of the frame in a notebook [px]."""
 
-Viewed = RobotLike | FreeRobot | Gait | Designed | Trajectory | SpatialRun
+Viewed = RobotLike | Gait | Designed | Trajectory | SpatialRun
 """What `view` takes."""
 
 

@@ -24,3 +24,18 @@ def test_a_wrong_name_is_refused_in_plain_words(kind):
     assert str(error.value)[0] == "n"  # a KeyError would put it into quotes
     with pytest.raises(kind, match=r"^no motor 'x'; known: left_hip, right_hip$"):
         columns["x"]
+
+
+def test_other_names_are_asked_for_once_and_only_when_needed():
+    asked = []
+
+    def others():
+        asked.append(1)
+        return Columns(("l_hip",), np.ones((2, 1)))
+
+    columns = Columns(("left_hip",), np.zeros((2, 1)), others=others)
+    assert columns["left_hip"][0] == 0.0 and not asked
+    assert columns["l_hip"][0] == 1.0 and "l_hip" in columns and len(columns) == 1
+    with pytest.raises(KeyError, match="known: left_hip, l_hip"):
+        columns["x"]
+    assert len(asked) == 1

@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from frontal_biped.exceptions import TrajectoryFileError, UnknownNameError
+from frontal_biped.gait.file import load_gait
+from frontal_biped.model.catalogue import load_robot
 from frontal_biped.model.urdf.description import ROLL_JOINTS
 from frontal_biped.simulation import SimulationSettings, load_trajectory, save_trajectory
+from frontal_biped.simulation.orbit import orbit_trajectory
 from frontal_biped.simulation.trajectory import SAMPLED
 from frontal_biped.simulation.walking import simulate
 from frontal_biped.simulation.whole_robot import whole_motion
@@ -89,3 +92,20 @@ def test_by_name_a_leg_is_a_leg_whichever_foot_stands(biped, run):
     np.testing.assert_array_equal(run.positions["left_hip"].shape, run.t.shape)
     with pytest.raises(UnknownNameError, match="no joint 'left_hip_roll'; did you mean 'left_hip'"):
         run.torques["left_hip_roll"]
+
+
+def test_the_urdfs_own_names_are_about_the_urdfs_axes():
+    """As the whole robot has them; human's ankle and right hip roll joints turn about -X."""
+    human = load_robot("human")
+    assert set(human.stance_map.axis_sign) == {-1.0, 1.0}
+    run = orbit_trajectory(human, load_gait("human"), 2)
+    whole = whole_motion(human, run)
+    for part, name in human.description.joints.items():
+        assert name not in ROLL_JOINTS
+        for kind in ("positions", "velocities", "torques"):
+            np.testing.assert_allclose(getattr(run, kind)[name], getattr(whole, kind)[name], atol=1e-12)
+        sign = human.stance_map.axis_sign[ROLL_JOINTS.index(part)]
+        np.testing.assert_allclose(run.torques[name], sign * run.torques[part], atol=1e-12)
+    assert list(run.torques) == list(ROLL_JOINTS)
+    with pytest.raises(UnknownNameError, match="did you mean 'left_hip_X'"):
+        run.torques["left_hip_x"]
