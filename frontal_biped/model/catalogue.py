@@ -79,8 +79,8 @@ def whole_of(robot: RobotLike) -> Robot:
     if isinstance(robot, FrontalBiped | FreeRobot):
         return robot.robot
     raise RobotError(
-        f"robot = {type(robot).__name__}: no robot; give one, the name of a packaged robot, or the path of a description"
-        " (.toml) or URDF (.urdf)"
+        f"robot = {type(robot).__name__}: no robot; give one, the name of a packaged robot, or the path of a"
+        " description (.toml) or URDF (.urdf)"
     )
 
 

@@ -134,7 +134,7 @@ class Trajectory(ShownAsPage, Plotted):
 
     @cached_property
     def _urdf_joints(self) -> StanceMap | None:
-        """The roll joints as the URDF has them; None for a run of a robot that is not found, which has no other names."""
+        """The roll joints as the URDF has them; None where the robot of the run is not found."""
         try:
             return told_robot(self.gait, self.robot).stance_map
         except RobotError:
