@@ -95,6 +95,8 @@ def view(
     thing = _loaded(what)
     if isinstance(thing, Trajectory | Gait):
         first = _planar(thing, robot)
+        if overlay and beside is None:
+            raise FrontalBipedError("overlay: lays a second run over the first; name one with beside")
         second = None
         if beside is not None:
             other = _loaded(beside)
