@@ -54,8 +54,7 @@ def simulate(
         biped: the robot, in any of its views, or by name or path.
         gait: the gait, a design's result, or by name or path.
         steps: impacts after which to stop.
-        period: control period [s], a zero-order hold, as of the command ``simulate``, which adds the stabiliser
-            "adaptive"; None: the controller acts in continuous time.
+        period: control period [s], a zero-order hold; None: the controller acts in continuous time.
         speed_error: relative error of the first post-impact speed, all joints alike, so that the start stays on Z.
         stance: first stance foot.
         stabiliser: of a controller that is told the state: a stabiliser, or one of `STABILISERS` by name; default:

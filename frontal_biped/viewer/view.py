@@ -101,12 +101,14 @@ def view(
         if beside is not None:
             other = _loaded(beside)
             if not isinstance(other, Trajectory | Gait):
-                raise FrontalBipedError(f"beside = {other!r}: not a gait or a run in the plane; name one of these")
+                raise FrontalBipedError(
+                    f"beside = {type(other).__name__}: not a gait or a run in the plane; give one of these"
+                )
             second = _planar(other, robot)
         title = first[0].name if second is None else f"{first[0].name} and {second[0].name}"
         return View(title, lambda: _planar_page(title, first, second, ghost, overlay))
     if beside is not None or overlay or ghost:
-        raise FrontalBipedError(f"{thing!r} is shown alone; leave out beside, overlay and ghost")
+        raise FrontalBipedError(f"a {type(thing).__name__} is shown alone; leave out beside, overlay and ghost")
     if isinstance(thing, SpatialRun):
         return _spatial(thing, robot)
     whole = whole_of(thing)

@@ -45,7 +45,8 @@ def test_two_runs_beside_each_other(biped, gait, run):
         (lambda run: fb.view("nobody"), "no gait 'nobody'"),
         (lambda run: fb.view(3), "gait = int: no gait"),
         (lambda run: fb.view("frontal_biped", ghost=True), "is shown alone; leave out beside, overlay and ghost"),
-        (lambda run: fb.view(run, beside="frontal_biped"), "not a gait or a run in the plane"),
+        (lambda run: fb.view(fb.load_robot(), beside=run), "a FrontalBiped is shown alone"),
+        (lambda run: fb.view(run, beside=fb.load_robot()), "beside = FrontalBiped: not a gait or a run in the plane"),
         (lambda run: fb.view(run, overlay=True), "overlay: lays a second run over the first"),
     ],
 )
