@@ -5,7 +5,10 @@
     robot = fb.load_robot("frontal_biped")
     result = fb.design_gait(robot, fb.GaitSpecification())
     print(fb.analyze(robot, result.gait))
-    run = fb.simulate(robot, result.gait, steps=20)
+    run = fb.simulate(robot, result, steps=20)
+    fb.view(run)  # in a notebook: the page of the run; robots, gaits and runs show themselves as well
+
+Where a robot or a gait is taken, so is its name or the path of its file: ``fb.simulate("g1", "g1")``.
 
 Rooms, each may use those before it: `frontal_biped.files` and `frontal_biped.numerics`, without mechanics;
 `frontal_biped.model`, the robot; `frontal_biped.virtual_constraints`; `frontal_biped.zero_dynamics`;
