@@ -136,7 +136,7 @@ class Trajectory(ShownAsPage, Plotted):
     def _urdf_joints(self) -> StanceMap | None:
         """The roll joints as the URDF has them; None where the robot of the run is not found."""
         try:
-            return told_robot(self.gait, self.robot).stance_map
+            return told_robot(self.gait, self.robot, unchanged=False).stance_map
         except RobotError:
             return None
 

@@ -6,7 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from frontal_biped.exceptions import FrontalBipedError, GaitFileError
+from frontal_biped.exceptions import FrontalBipedError
 from frontal_biped.files.atomic import write_text
 from frontal_biped.files.kinds import RUN, SPACE_RUN, archive_format
 from frontal_biped.gait.file import gait_from_dict, gait_to_dict
@@ -134,15 +134,7 @@ def _planar(thing: Trajectory | Gait, robot: RobotLike | None) -> tuple[FrontalB
     """The robot and its run; of a gait the periodic orbit."""
     if isinstance(thing, Trajectory):
         return (told_robot(thing.gait, thing.robot) if robot is None else biped_of(robot)), thing
-    if robot is not None:
-        biped = biped_of(robot)
-    else:
-        biped = told_robot(gait_to_dict(thing), thing.robot.name)
-        if biped.fingerprint != thing.robot.fingerprint:
-            raise GaitFileError(
-                f"the gait was designed for {thing.robot.name!r} with another URDF or description than"
-                f" {biped.path.name}; give its robot: view(gait, robot)"
-            )
+    biped = biped_of(robot) if robot is not None else told_robot(gait_to_dict(thing), thing.robot.name)
     return biped, orbit_trajectory(biped, thing, VIEWED_STEPS)
 
 

@@ -1,12 +1,14 @@
 """Figures that show themselves in a notebook, and `run.plot`."""
 
 import pickle
+from dataclasses import replace
 
 import pytest
 
-from frontal_biped.exceptions import UnknownNameError
+from frontal_biped.exceptions import RobotError, UnknownNameError
 from frontal_biped.figures.inline import InlineFigure
 from frontal_biped.figures.write import FIGURES
+from frontal_biped.gait.file import gait_to_dict
 from frontal_biped.simulation.orbit import orbit_trajectory
 
 pytest.importorskip("matplotlib")
@@ -37,3 +39,12 @@ def test_a_figure_that_the_run_has_not_is_told_with_those_it_has(run, biped, gai
     with pytest.raises(UnknownNameError, match="no figure 'energy' of this run"):
         run.plot("energy")  # a figure of the gait, which an orbit does not tell
     assert "energy" in FIGURES
+
+
+def test_figures_of_a_changed_robot_want_that_robot(run, biped, gait):
+    """Its weight and its energy are not those of the files."""
+    changed = replace(run, gait=gait_to_dict(replace(gait, robot=replace(gait.robot, fingerprint="of another"))))
+    with pytest.raises(RobotError, match="with another URDF or description"):
+        changed.plot()
+    assert changed._repr_html_() is None
+    assert changed.plot("energy", biped).get_label() == "energy"
