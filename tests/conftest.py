@@ -42,6 +42,8 @@ Each claim, how it is held, what was measured, and the tests that hold it:
   simulation/test_whole_robot.py, simulation/test_whole_files.py
 * Own controllers: a gait replayed by joint name walks a step, step time within 2 %; wrong answers in one line.
   control/test_joint_law.py, simulation/test_own_controllers.py
+* Changed robots, names and results where robots and gaits are taken, what a notebook shows.
+  model/test_changed_robots.py, gait/test_given.py, files/test_shown.py, viewer/test_view.py, figures/test_plot.py
 * A gait or run finds its robot wherever the two are moved together. gait/test_robot_path.py
 * A robot's page: every link where Pinocchio has it after moving every slider, two robots, 2e-5 m.
   viewer/test_joints_page.py
