@@ -72,7 +72,7 @@ def conflicts(problem: DesignProblem, result: SqpResult) -> tuple[Conflict, ...]
     for row in problem.rows():
         price = float(margins[row.entries].sum())
         if price > SHARE * of_bounds:
-            missed = -float(np.min(point.margins[row.entries]))
+            missed = -float(np.min(point.margins[row.entries])) - row.distance  # of what is asked, not of more
             shortfall = missed * row.scale if missed > ROUNDING else 0.0
             relief = result.violation * row.scale * total / price
             weight = price / of_bounds

@@ -57,6 +57,9 @@ COLUMN_REACH = 3.0
 ANGLE_REACH = 0.15
 """How far beta_r- and beta_f- may be from those of the start [rad]."""
 
+LEAST_TIGHTENING = 1e-7
+"""Least scaled distance that a bound is moved inwards by: what counts as feasible to the optimiser."""
+
 RESTORATIONS = 12
 """Halvings of the way from a start without an orbit to the default start."""
 
@@ -275,9 +278,12 @@ class DesignProblem:
         return start
 
     def tighten(self, shortfall: Mapping[tuple[str, str], float]) -> None:
-        """Move bounds inwards by the scaled violations found between the nodes, by code and name of the constraint."""
+        """Move bounds inwards by the scaled violations found between the nodes, by code and name of the constraint.
+
+        By a little more, and never by less than an optimiser's rounding: the next violation lies elsewhere.
+        """
         for key, violation in shortfall.items():
-            self._tightened[key] = self._tightened.get(key, 0.0) + 1.2 * violation
+            self._tightened[key] = self._tightened.get(key, 0.0) + max(1.2 * violation, LEAST_TIGHTENING)
         self._margins = None
 
     @property

@@ -18,7 +18,8 @@ class MarginRow(NamedTuple):
         name: of the constraint.
         key: entry of the specification that sets the bound, or "".
         unit: of the bound.
-        bound: as the optimiser sees it.
+        bound: as the specification or the robot has it.
+        distance: that the margins keep from it, in scaled units.
         scale: units per scaled unit.
         entries: where in the margins.
     """
@@ -28,6 +29,7 @@ class MarginRow(NamedTuple):
     key: str
     unit: str
     bound: float
+    distance: float
     scale: float
     entries: slice
 
@@ -65,12 +67,13 @@ def lay_out(constraints: Sequence[Constraint], distance: Callable[[Constraint], 
         begin += len(picked)
         if constraint.name == STEP_WIDTH:
             continue  # a variable, bounded as such
-        for bound, sign in constraint.sides(distance(constraint)):
+        kept = constraint.sides(distance(constraint))
+        for (bound, sign), (asked, _) in zip(kept, constraint.sides(), strict=True):
             picks.append(picked)
             bounds.append(np.full(len(picked), bound))
             factors.append(np.full(len(picked), sign / constraint.scale))
             code, name, unit, scale = constraint.code, constraint.name, constraint.unit, constraint.scale
             entries, row = slice(row, row + len(picked)), row + len(picked)
             key = constraint.keys[0 if sign > 0.0 else 1]
-            meaning.append(MarginRow(code, name, key, unit, bound, scale, entries))
+            meaning.append(MarginRow(code, name, key, unit, asked, abs(bound - asked) / scale, scale, entries))
     return MarginLayout(np.concatenate(picks), np.concatenate(bounds), np.concatenate(factors), tuple(meaning))

@@ -22,7 +22,10 @@ FINEST = 64
 """Most nodes a phase."""
 
 WORTH_FINER = 1e-4
-"""Scaled violation between the nodes from which on finer nodes pay."""
+"""Scaled violation between the first nodes from which on finer ones pay."""
+
+WORTH_FINEST = 5e-3
+"""The same between finer nodes: bounds moved inwards by more may throw the optimiser to a far and dear minimum."""
 
 NEARLY = 1e-3
 """Scaled violation up to which the answer of an optimiser that stopped short is closed and checked all the same."""
@@ -102,7 +105,7 @@ class Search:
                 problem, x = problem.on_nodes(FINER * size, problem.tighten_by), before
                 continue
             before = x = candidate.x
-            if size == coarse and max(report.shortfall.values()) > WORTH_FINER:
+            if size < FINEST and max(report.shortfall.values()) > (WORTH_FINER if size == coarse else WORTH_FINEST):
                 problem = problem.on_nodes(FINER * size, problem.tighten_by)
             else:
                 problem.tighten(report.shortfall)

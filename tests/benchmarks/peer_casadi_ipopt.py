@@ -25,7 +25,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.gait.check import ConstraintCheck, check_constraints
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.chain import GRAVITY, UPRIGHT, FrontalChain
+from frontal_biped.model.chain import GRAVITY, JOINTS, UPRIGHT, FrontalChain
 from frontal_biped.virtual_constraints import complete
 from frontal_biped.virtual_constraints.invariance import FreeParameters, invariance_residuals
 from frontal_biped.virtual_constraints.phase import Phase
@@ -441,11 +441,11 @@ class Peer:
         jump = ratio * up.I_P[end] / down.I_P[end]
         multiplier = ca.exp(down.exponent[end] - up.exponent[end]) * jump**2
         add(multiplier, 0.0, spec.max_multiplier or 1.0, "multiplier delta_f^2 delta_r^2 delta_z^2")
-        add(up.kappa_2[0], -inf, 0.0)
+        add(up.kappa_2[0], -inf, 0.0, "kappa_2 at the reversal (HIP2)")
         for label, phase in named:
             add(phase.Delta, spec.min_phase_range, inf, f"range of beta, {label}")
-            add(phase.z, 1e-2, inf)
-            add(phase.I_P, 0.0, inf)
+            add(phase.z, 1e-2, inf, f"zeta/tau^2 of the orbit, {label}")
+            add(phase.I_P, 0.0, inf, f"I_P (decoupling), {label}")
         # C04, C05
         tau, _, _ = chebyshev_quadrature(size)
         left = ca.DM(1.0 - tau[:-1] ** 2)
@@ -469,7 +469,7 @@ class Peer:
             add(phase.p_fri, outer + spec.fri_margin, inner - spec.fri_margin, f"FRI in the sole, {label}")
             limits = spec.torque_limits(self.biped).tolist()
             for i, (limit, values) in enumerate(zip(torque, u, strict=True)):
-                add(values / limit, -1.0, 1.0, f"torque u_{i + 1}, {label}", limits[i])
+                add(values / limit, -1.0, 1.0, f"{JOINTS[i]} torque, {label}", limits[i])
             rotations = ((2, spec.max_pelvis_roll, "pelvis roll"), (4, spec.max_foot_rotation, "swing foot"))
             for body, bound, name in rotations:
                 if bound is not None or self.shared:
@@ -478,7 +478,7 @@ class Peer:
             if self.joint_limits:
                 self._add_joint_limits(phase, label)
         # C07, C08, C09
-        add(landing.impulse[1] * before, 0.0, inf)
+        add(landing.impulse[1] * before, 0.0, inf, "normal impulse / m", 1.0 / self.biped.mass)
         add(landing.impulse[0] / landing.impulse[1], -spec.friction, spec.friction, "L_h / L_v")
         add(landing.moment / landing.impulse[1], -inner, -outer, "impulse in the sole")
         add(landing.lift_off * before, 0.0, inf, "lift-off speed of the old stance sole")
@@ -489,10 +489,10 @@ class Peer:
     def _add_joint_limits(self, phase: SymbolicPhase, label: str) -> None:
         limits = zip(self.biped.joint_lower, self.biped.joint_upper, self.biped.joint_max_velocity, strict=True)
         for i, (lower, upper, fastest) in enumerate(limits):
-            self._add(phase.q[i], float(lower), float(upper), f"q_{i + 1}, {label}")
+            self._add(phase.q[i], float(lower), float(upper), f"{JOINTS[i]} angle, {label}")
             if np.isfinite(fastest):
                 speed = phase.dq[i] * phase.dbeta
-                self._add(speed, -float(fastest), float(fastest), f"|dq_{i + 1}/dt|, {label}")
+                self._add(speed, -float(fastest), float(fastest), f"{JOINTS[i]} speed, {label}")
 
     # ------------------------------------------------------------------ variables
     def variables(self, free: FreeParameters) -> FloatArray:
@@ -553,7 +553,14 @@ class Peer:
         return None
 
     def _move_inwards(self, missed: dict[str, float]) -> None:
-        """Tighten rows by what their constraints were missed by, in the constraints' units."""
+        """Tighten rows by what their constraints were missed by, in the constraints' units.
+
+        Raises:
+            LookupError: the peer has no row for a constraint that was missed; it would never be met.
+        """
+        unknown = missed.keys() - {name for name, _, _ in self._names}
+        if unknown:
+            raise LookupError(f"the peer has no row for {', '.join(sorted(unknown))}")
         row = 0
         for name, unit, count in self._names:
             self._inwards[row : row + count] += 1.2 * missed.get(name, 0.0) / unit

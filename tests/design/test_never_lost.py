@@ -1,6 +1,7 @@
 """A gait that exists is not refused: starts that keep every bound, bounds that are relaxed, misses by rounding."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,8 +10,8 @@ from random_bipeds import random_case
 from frontal_biped.design import design_gait
 from frontal_biped.design.explanation import Conflict, conflicts
 from frontal_biped.design.optimise import OPTIMISER_NODES, SAFETY
-from frontal_biped.design.problem import ANGLE_REACH, DesignProblem
-from frontal_biped.design.search import Search
+from frontal_biped.design.problem import ANGLE_REACH, LEAST_TIGHTENING, DesignProblem
+from frontal_biped.design.search import WORTH_FINER, WORTH_FINEST, Candidate, Search
 from frontal_biped.design.trust_region_sqp import Multipliers, SqpResult
 from frontal_biped.gait import GaitSpecification
 from frontal_biped.gait.check import ROUNDING
@@ -85,9 +86,9 @@ def test_an_orbit_that_cannot_be_closed_is_no_gait(biped, reference_gait):
     assert not candidate._replace(result=replace(candidate.result, violation=0.1)).good
 
 
-def nearest(biped, reference_gait, missed):
+def nearest(biped, reference_gait, missed, tightened=0.0):
     """A result whose pelvis roll misses its bound by ``missed`` of its typical size, and has a share in a conflict."""
-    problem = DesignProblem(biped, GaitSpecification(max_pelvis_roll=0.05), OPTIMISER_NODES)
+    problem = DesignProblem(biped, GaitSpecification(max_pelvis_roll=0.05), OPTIMISER_NODES, tightened)
     x = problem.variables(reference_gait)
     point = problem.evaluate(x)
     row = next(row for row in problem.rows() if row.code == "max_pelvis_roll")
@@ -107,6 +108,54 @@ def test_what_rounding_misses_is_not_called_missed(biped, reference_gait, missed
     assert isinstance(cause, Conflict)
     assert (cause.shortfall > 0.0) is said
     assert ("missed by" in str(cause)) is said
+
+
+@pytest.mark.parametrize(
+    ("missed", "nodes"),
+    [
+        ([0.1, 0.04, 0.01], [16, 32, 64, 64]),
+        ([0.1, 0.5 * WORTH_FINEST], [16, 32, 32]),
+        ([0.5 * WORTH_FINER, 0.5 * WORTH_FINER], [16, 16, 16]),
+        ([0.1] * 5, [16, 32, 64, 64, 64, 64]),
+    ],
+)
+def test_large_violations_between_the_nodes_ask_for_finer_ones(biped, monkeypatch, missed, nodes):
+    """Bounds are moved inwards only by what the finest nodes leave; a round follows every miss, until there is none."""
+    problem = DesignProblem(biped, GaitSpecification(), OPTIMISER_NODES)
+    x, used = problem.start(), []
+
+    def checked(_, problem, result):
+        shortfall = missed[len(used)] if len(used) < len(missed) else 0.0
+        used.append(problem.rule.tau.size)
+        report = SimpleNamespace(satisfied=shortfall == 0.0, shortfall={("C06", "F_h / F_v, rising"): shortfall})
+        return Candidate(x, result, problem, None, report, "")
+
+    monkeypatch.setattr(Search, "_minimise", lambda *_: SqpResult(x, 1.0, 0.0, 1, 1, True, True, "converged"))
+    monkeypatch.setattr(Search, "_checked", checked)
+    assert Search().cheapest(problem, x).good
+    assert used == nodes
+
+
+def test_a_bound_moved_inwards_moves_by_more_than_rounding(biped):
+    """A miss of 1e-12 must not come back as one of 1e-12, round after round."""
+    problem = DesignProblem(biped, GaitSpecification(), OPTIMISER_NODES)
+    x = problem.start()
+    before = problem.evaluate(x).margins
+    problem.tighten({("C06", "F_h / F_v, rising"): 1e-12})
+    moved = before - problem.evaluate(x).margins
+    entries = [row.entries for row in problem.rows() if row.name == "F_h / F_v, rising"]
+    expected = np.zeros_like(moved)
+    expected[np.r_[*entries]] = LEAST_TIGHTENING
+    assert len(entries) == 2
+    np.testing.assert_allclose(moved, expected, atol=1e-3 * LEAST_TIGHTENING)
+
+
+@pytest.mark.parametrize("tightened", [0.0, 0.02])
+def test_a_conflict_names_the_bound_that_was_asked_for(biped, reference_gait, tightened):
+    """Whatever distance the optimiser kept from it, bound and miss are those of the specification."""
+    cause, of_more = nearest(biped, reference_gait, 0.03), nearest(biped, reference_gait, 0.03, tightened)
+    assert abs(of_more.bound) == pytest.approx(0.05, abs=1e-15)
+    assert of_more.shortfall == pytest.approx(cause.shortfall * (0.03 - tightened) / 0.03, rel=1e-6)
 
 
 @pytest.mark.slow
