@@ -1,7 +1,6 @@
 """`frontal-biped design`."""
 
 import argparse
-import re
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -136,11 +135,12 @@ def _needs(checked: "ConstraintReport") -> list[str]:
 
     tightest = min(checked.checks, key=lambda check: check.margin / check.scale)
     motors = []
-    for what, row in (("torque", r"torque u_(\d)"), ("speed", r"\|dq_(\d)/dt\|")):
-        rows = [check for check in checked.checks if re.match(row, check.name)]
+    for what in ("torque", "speed"):
+        starts = tuple(f"{joint} {what}," for joint in JOINTS)
+        rows = [check for check in checked.checks if check.name.startswith(starts)]
         if rows:
             most = max(rows, key=lambda check: abs(check.value / check.bound))
-            joint = JOINTS[int(re.match(row, most.name)[1]) - 1]  # type: ignore[index]
+            joint = most.name.partition(f" {what},")[0]
             value, limit = abs(most.value), abs(most.bound)
             motors.append(
                 f"{what} of the {joint} {value:.3g} of {limit:.3g} {most.unit}, {100.0 * value / limit:.0f} %"
