@@ -12,6 +12,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.explanation import Conflict, Remedy, conflicts, remedy
 from frontal_biped.design.problem import COLUMN_REACH, DesignProblem
 from frontal_biped.design.search import BOLD, FEASIBILITY, Candidate, Progress, Search
+from frontal_biped.design.start import LARGEST_LEAN, swayed_stand
 from frontal_biped.design.tightening import Tightening
 from frontal_biped.design.variables import STEP_WIDTH
 from frontal_biped.design.verification import RETURN_TOLERANCE, Verification, verify
@@ -107,8 +108,8 @@ def design_gait(
             what the robot's description asks for.
         start: a gait, or (P,) variables of `DesignProblem`, to start from; default: the problem's own start. One that
             keeps every bound is never lost: the gait designed costs no more.
-        attempts: designs from as many starts, the further ones drawn at random (``seed`` of the specification) around
-            the default; the cheapest gait is kept.
+        attempts: designs from as many starts, the second one a stand that leans out far, the further ones drawn at
+            random (``seed`` of the specification) around the default; the cheapest gait is kept.
         fall_back: where a start leads nowhere, try the problem's own start and two random ones as well.
         advise: where there is no gait, look for a remedy; it takes a few designs more.
         column_reach: how far a Bezier column may be from that of the problem's own start [rad].
@@ -179,11 +180,17 @@ class _Design:
         )
 
     def starts(self, attempts: int) -> Iterator[FloatArray]:
-        """The start given or the default one, random ones, and the default one where another was given."""
+        """The start given or the default one, a far leaning one, random ones, and the default where another was given.
+
+        Random ones seldom leave the valley that the default one leads into; a step that leans farther may.
+        """
         default = self.problem.start()
         yield default if self.start is None else np.clip(self.start, *self.problem.bounds())
+        if attempts > 1:
+            leaning = self.problem.layout.pack(swayed_stand(self.biped, self.spec, LARGEST_LEAN))
+            yield np.clip(leaning, *self.problem.bounds())
         rng = np.random.default_rng(self.spec.seed)
-        for _ in range(attempts - 1):
+        for _ in range(attempts - 2):
             yield _drawn(self.problem, rng)
         if self.start is not None:
             yield default

@@ -10,12 +10,19 @@ from frontal_biped.virtual_constraints.invariance import FreeParameters, double_
 LARGEST_ROLL = 0.15
 """Of the pelvis, at the start [rad]: with more of it the robot would not reverse."""
 
+LEAN = 0.03
+"""Of the stance leg, from the impact to the reversal [rad]."""
 
-def swayed_stand(biped: FrontalBiped, spec: GaitSpecification) -> FreeParameters:
+LARGEST_LEAN = 0.1
+"""The same, where a longer step leads elsewhere than the default one."""
+
+
+def swayed_stand(biped: FrontalBiped, spec: GaitSpecification, lean: float = LEAN) -> FreeParameters:
     """A swayed stand in the middle of the allowed step widths, FRI in the middle of the sole.
 
-    The feet stand symmetrically apart; the stance leg leans out by 0.03 rad to the reversal while the pelvis rolls so
-    that the swing foot rises, flat, by twice the clearance (0.15 rad at most); the joints go there and back smoothly.
+    The feet stand symmetrically apart; the stance leg leans out by ``lean`` [rad] to the reversal, by 1.2 times the
+    smallest range of beta at least and by `LARGEST_LEAN` at most, while the pelvis rolls so that the swing foot rises,
+    flat, by twice the clearance (0.15 rad at most); the joints go there and back smoothly.
 
     Raises:
         UnreachablePoseError: the feet cannot stand so far apart.
@@ -25,7 +32,7 @@ def swayed_stand(biped: FrontalBiped, spec: GaitSpecification) -> FreeParameters
     width = float(np.clip(min(0.5 * (low + high), 1.5 * biped.hip_width), low, high))
     beta_impact = _symmetric_stance(biped, width)
     final = double_support_pose(biped, beta_impact, width)
-    lean = min(max(0.03, 1.2 * spec.min_phase_range), 0.1)
+    lean = min(max(lean, 1.2 * spec.min_phase_range), LARGEST_LEAN)
     reversal = final[::-1].copy()
     reversal[0] += lean
     beta_reversal = float(reversal[0])

@@ -174,3 +174,12 @@ def test_tightening_alone_refuses_nothing(tmp_path):
     case = random_case(81, tmp_path)
     result = design_gait(case.biped, case.specification, advise=False)
     assert result.success, result.message
+
+
+@pytest.mark.slow
+def test_attempts_find_the_peers_cheaper_minimum(tmp_path):
+    """Of case 40 the default start and random ones around it lead to J = 261, CasADi and IPOPT to 231.683."""
+    case = random_case(40, tmp_path)
+    result = design_gait(case.biped, case.specification, attempts=2, advise=False)
+    assert result.success, result.message
+    assert result.gait.orbit.cost <= 1.001 * 231.683
