@@ -20,10 +20,10 @@ about ten CPU seconds.
 
 On cases 0-99: 77 same, 6 cheaper, 1 dearer, 8 ours, 8 neither, 0 FALSE REFUSAL. Of 84 gaits of the peer ours costs at
 most 0.1 % more in 83 from one start; the other, case 40 (261.080 against 231.683), is 229.959 with --attempts 2. The
-peer ended at its iteration limit in 11, 24, 72, 80, 81 and 95, where we found a gait; in 35 it solved its programme
-but did not meet the dense grid. Case by case, each program by itself in one process on a loaded two-core machine: 5.2
-CPU s a design, 5.7 a peer. 3, 26, 39, 51, 53, 66 and 76 were designed just before the optimiser took finer nodes more
-than once; all are refused by both.
+peer ended at its iteration limit in 11, 24, 72, 80, 81 and 95, where we found a gait; in 35 and 99 it solved its
+programme but did not meet the dense grid. Case by case, each program by itself in one process on a loaded two-core
+machine: 5.2 CPU s a design, 5.7 a peer. 3, 26, 39, 51, 53, 66 and 76 were designed just before the optimiser took
+finer nodes more than once; all are refused by both.
 """
 
 import argparse
