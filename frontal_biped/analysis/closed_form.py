@@ -101,7 +101,14 @@ class GaitAnalysis:
     @property
     def summary(self) -> str:
         """Three lines: what was reached, what is tightest, what it needs of the motors."""
-        return _table(self._head)
+        reached, *_ = self._head
+        return "\n".join([_table([reached]), self.needs])
+
+    @property
+    def needs(self) -> str:
+        """The last two of these lines."""
+        _, *needs = self._head
+        return _table(needs)
 
     @property
     def _head(self) -> list[tuple[str, str]]:

@@ -21,7 +21,6 @@ from frontal_biped.cli.progress import Progress
 
 if TYPE_CHECKING:
     from frontal_biped.design.optimise import DesignResult
-    from frontal_biped.gait.check import ConstraintReport
     from frontal_biped.model.biped import FrontalBiped
 
 SUMMARY = "Design a gait: minimise J under C01 to C09."
@@ -103,7 +102,9 @@ def _place(biped: "FrontalBiped") -> Path:
 def _report(
     arguments: argparse.Namespace, biped: "FrontalBiped", result: "DesignResult", output: Path
 ) -> tuple[dict[str, object], str]:
-    """For JSON, and as text."""
+    """For JSON, and as text; what the gait needs is told as `analyze` tells it."""
+    from frontal_biped.analysis.closed_form import analyze
+
     table = {
         "success": result.success,
         "message": result.message,
@@ -122,30 +123,8 @@ def _report(
         f"{biped.name}: {result.message}; steps of {gait.orbit.step_duration:.3g} s and {gait.step_width:.3g} m;"
         f" written to {output}"
     )
-    lines = [reached, *([] if result.report is None else _needs(result.report))]
+    needs = analyze(biped, gait, certify=False, in_space=False).needs
     share = 100.0 * biped.asymmetry.mass_matrix
     legs = f"\nlegs averaged; they differ by {share:.2g} % of the mass matrix" if biped.asymmetry.differences else ""
     effort = f"{result.iterations} iterations, {result.evaluations} evaluations, {result.seconds:.2f} s"
-    return table, report(arguments, lines, [f"{result.report}\n\n{effort}{legs}"], [])
-
-
-def _needs(checked: "ConstraintReport") -> list[str]:
-    """The bound that is nearest, and what the motors must do."""
-    from frontal_biped.model.chain import JOINTS
-
-    tightest = min(checked.checks, key=lambda check: check.margin / check.scale)
-    motors = []
-    for what in ("torque", "speed"):
-        starts = tuple(f"{joint} {what}," for joint in JOINTS)
-        rows = [check for check in checked.checks if check.name.startswith(starts)]
-        if rows:
-            most = max(rows, key=lambda check: abs(check.value / check.bound))
-            joint = most.name.partition(f" {what},")[0]
-            value, limit = abs(most.value), abs(most.bound)
-            motors.append(
-                f"{what} of the {joint} {value:.3g} of {limit:.3g} {most.unit}, {100.0 * value / limit:.0f} %"
-            )
-    return [
-        f"tightest  {tightest.code} {tightest.name}: {tightest.value:.4g}, bound {tightest.bound:.4g} {tightest.unit}",
-        f"motors    {'; '.join(motors)}",
-    ]
+    return table, report(arguments, [reached, needs], [f"{result.report}\n\n{effort}{legs}"], [])

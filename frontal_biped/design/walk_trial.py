@@ -9,6 +9,7 @@ import numpy as np
 
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.simulation.falls import OFF_SPEED
 from frontal_biped.simulation.mid_fall import speed_errors
 from frontal_biped.simulation.settings import PERIOD
 from frontal_biped.simulation.trajectory import COMPLETED, Trajectory
@@ -18,13 +19,10 @@ STEPS = 20
 """Steps that a gait must walk."""
 
 SPEED = 0.15
-"""Largest mean error of the speed half-way down that still counts as walking the gait [-]."""
+"""Largest mean error of the speed half-way down that still counts as walking the gait [-]; beyond it is `OFF_SPEED`."""
 
 TIME = 0.1
 """Largest error of the mean step time that does: a foot that bounces counts steps without making them [-]."""
-
-OFF_SPEED = "the robot walks, but not as fast as the gait"
-"""Outcome of a walk without a fall whose speed or step time is further off."""
 
 
 @dataclass(frozen=True)

@@ -159,11 +159,14 @@ class TestGoodInput:
         spec.write_text("max_pelvis_roll = 0.05\nstep_width = [0.2, 0.3]\n")
         gait = tmp_path / "gait.json"
         assert main(["design", "--spec", str(spec), "-o", str(gait)]) == 0
+        told = capsys.readouterr().out.splitlines()
         stored = load_gait(gait)
         assert stored.specification.max_pelvis_roll == 0.05
         assert 0.2 <= stored.step_width <= 0.3
-        assert main(["analyze", str(gait), "--json"]) == 0
-        capsys.readouterr()
+        assert main(["analyze", str(gait)]) == 0
+        analyzed = capsys.readouterr().out.splitlines()
+        assert told[-2:] == analyzed[-2:]  # the same words for what the gait needs
+        assert [line.split()[0] for line in told[-2:]] == ["tightest", "motors"]
 
     def test_design_from_a_gait_and_from_several_starts(self, gait_file, tmp_path, capsys):
         specification = tmp_path / "spec.toml"

@@ -4,13 +4,14 @@ from dataclasses import replace
 
 import pytest
 
-from frontal_biped.design import tightening, walking_gait
-from frontal_biped.design.tightening import GOVERNING, tightenings
-from frontal_biped.design.walk_trial import OFF_SPEED, EngineWalk, WalkTrial, engines, try_walk
+from frontal_biped.design import walking_gait
+from frontal_biped.design.tightening import tightenings
+from frontal_biped.design.walk_trial import EngineWalk, WalkTrial, engines, try_walk
 from frontal_biped.design.walking_gait import design_walking_gait
 from frontal_biped.exceptions import SpecificationError
 from frontal_biped.gait import GaitSpecification, load_specification
 from frontal_biped.gait.file import load_gait, save_gait
+from frontal_biped.simulation.falls import GOVERNING, OFF_SPEED
 from frontal_biped.simulation.hybrid_system import EventKind
 
 GOOD = WalkTrial((EngineWalk("ours", 20, "completed", 0.5, 0.01, 1.1),))
@@ -37,7 +38,9 @@ def walks(monkeypatch):
 def test_every_stage_asks_for_more_than_before(event):
     spec = GaitSpecification()
     stages = list(tightenings(spec, event))
-    assert {change.key for change in stages} == {"max_foot_rotation", "swing_clearance", "fri_margin", "step_duration"}
+    keys = {"max_foot_rotation", "swing_clearance", "fri_margin", "step_duration"}
+    slipped = event == EventKind.SLIPPED.value
+    assert {change.key for change in stages} == keys | ({"friction"} if slipped else set())
     for change in stages:
         tighter = change.of(spec)
         assert tighter != spec
@@ -45,7 +48,7 @@ def test_every_stage_asks_for_more_than_before(event):
         if change.key == "step_duration":
             assert spec.step_duration[0] < change.new[0] <= change.new[1] == spec.step_duration[1]
         else:
-            assert (change.new < (change.old or 1.0)) == (change.key == "max_foot_rotation")
+            assert (change.new < (change.old or 1.0)) == (change.key in {"max_foot_rotation", "friction"})
 
 
 def test_a_level_foot_comes_first_where_it_landed_on_its_edge():
@@ -116,7 +119,7 @@ def test_one_stage_after_another_where_the_same_event_goes_on(biped, walks, monk
 
 
 def test_walking_at_another_speed_is_no_walk():
-    assert OFF_SPEED in tightening.GOVERNING
+    assert OFF_SPEED in GOVERNING
     off = replace(GOOD.walks[0], outcome=OFF_SPEED, speed_error=0.3)
     assert not off.walked
     assert str(off).endswith("speed half-way down +30.0 %, J 1.10 times the gait's")
