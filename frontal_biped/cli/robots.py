@@ -3,12 +3,15 @@
 import argparse
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from frontal_biped.cli.arguments import add_json, positive_float
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
 from frontal_biped.cli.output import emit, require_output
 from frontal_biped.exceptions import RobotError
+
+if TYPE_CHECKING:
+    from frontal_biped.model.urdf.draft import Proposal
 
 SUMMARY = "What can be walked; or propose a description for a URDF, or a posture for a description."
 EXAMPLE = "frontal-biped robots --describe my.urdf -o my.toml"
@@ -123,24 +126,43 @@ def _propose(arguments: argparse.Namespace) -> int:
         proposal = propose_bent_posture(description_path(arguments.bend), arguments.step_length)
     else:
         proposal = propose_posture(description_path(arguments.posture))
-    shown = proposal.text.removesuffix("\n")
     if output is not None:
         folder = proposal.folder.resolve()
         packaged = f"{EXAMPLE_ROBOT_DATA}:" in proposal.text
         if not packaged and output.resolve().parent != folder:
             raise RobotError(f"{output}: the description names its URDF from {folder}; write it there")
         write_text(output, proposal.text)
-        then = "fill in what was not decided, then design" if proposal.undecided else "design"
-        shown = f"written to {output}; {then} a gait with --robot {output}"
     table = {
         "description": proposal.text,
+        "found": list(proposal.found),
         "undecided": list(proposal.undecided),
         "changed": list(proposal.changed),
         "output": None if output is None else str(output),
     }
-    emit(arguments, table, shown)
-    for line in proposal.changed:
-        sys.stderr.write(f"frontal-biped: changed: {line}\n")
-    for line in proposal.undecided:
-        sys.stderr.write(f"frontal-biped: not decided: {line}\n")
+    told = _told(proposal, output)
+    if output is None or arguments.json:  # the first for people, the other for a file or a program
+        emit(arguments, table, proposal.text.removesuffix("\n"))
+        sys.stderr.write(f"{told}\n")
+    else:
+        emit(arguments, table, told)
     return TASK_FAILED if proposal.undecided else SUCCESS
+
+
+def _told(proposal: "Proposal", output: Path | None) -> str:
+    """What was found, what is not decided, what to do next."""
+    name = "the description" if output is None else str(output)
+    then = f"frontal-biped design --robot {'R.toml' if output is None else output}"
+    if output is None:
+        then = f"write it beside its URDF with -o R.toml, then {then}"
+    if proposal.undecided:
+        then = f"settle in {name} what is not decided, then {then}"
+    blocks = [
+        ("found", proposal.found),
+        ("changed", proposal.changed),
+        ("not decided", proposal.undecided or ("nothing",)),
+        ("next", (then,)),
+    ]
+    lines = [] if output is None else [f"written to {output}"]
+    for head, block in blocks:
+        lines += [f"{f'{head}:' if i == 0 else '':13}{line}" for i, line in enumerate(block)]
+    return "\n".join(lines)

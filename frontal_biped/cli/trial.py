@@ -1,13 +1,13 @@
-"""`frontal-biped trial`: run scenarios, print what they came to, exit 0 only if all expectations hold."""
+"""`frontal-biped trial`: run scenarios, the verdict first, exit 0 only if all expectations hold."""
 
 import argparse
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from frontal_biped.cli.arguments import add_jobs, add_json, file_ending, folder, positive_int, whole_number
+from frontal_biped.cli.arguments import add_jobs, add_json, add_verbose, file_ending, folder, positive_int, whole_number
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
-from frontal_biped.cli.output import emit, require_output
+from frontal_biped.cli.output import emit, report, require_output
 from frontal_biped.cli.progress import Progress
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     shown = parser.add_mutually_exclusive_group()
     shown.add_argument("--markdown", action="store_true", help="print the table as Markdown")
     add_json(shown)
+    add_verbose(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -42,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     from frontal_biped.files.atomic import require_folder
     from frontal_biped.scenarios.file import load_scenario
     from frontal_biped.scenarios.monte_carlo import run_trials
-    from frontal_biped.scenarios.report import markdown, table, write_junit
+    from frontal_biped.scenarios.report import markdown, table, verdict, write_junit
 
     scenarios = [load_scenario(path) for path in arguments.scenarios]
     if arguments.repeat is not None:
@@ -86,8 +87,10 @@ def run(arguments: argparse.Namespace) -> int:
         write_junit(results, arguments.junit)
     written = [str(path) for path in (arguments.junit, arguments.save) if path is not None]
     content = {"passed": passed, "scenarios": [result.as_dict() for result in results], "written": written}
-    told = "" if arguments.markdown else "".join(f"\nwritten: {path}" for path in written)
-    emit(arguments, content, (markdown if arguments.markdown else table)(results) + told)
+    shown = (
+        markdown(results) if arguments.markdown else report(arguments, [verdict(results)], [table(results)], written)
+    )
+    emit(arguments, content, shown)
     if arguments.save is not None and not arguments.json:
         sys.stderr.write(f"runs in {arguments.save}; watch one with `frontal-biped view {arguments.save}/NAME-0.npz`\n")
     return SUCCESS if passed else TASK_FAILED

@@ -23,7 +23,6 @@ from frontal_biped.cli.output import emit, report, require_output
 from frontal_biped.cli.progress import Progress
 
 if TYPE_CHECKING:
-    from frontal_biped.gait.gait import Gait
     from frontal_biped.simulation.space.pushes import SpatialPush
     from frontal_biped.simulation.space.run import SpatialRun
 
@@ -116,7 +115,7 @@ def run(arguments: argparse.Namespace) -> int:
         written.append(str(arguments.output))
     if arguments.html is not None or arguments.figures is not None:
         written += _shown(arguments, ready.biped, ready.gait, walk)
-    remedy = _remedy(walk, ready.gait, arguments.speed)
+    remedy = walk.settings.get("remedy")
     table = {**_summary(walk, arguments.speed), "remedy": remedy, "written": written}
     emit(arguments, table, report(arguments, _head(walk, arguments.steps, remedy), [_text(table)], written))
     return TASK_FAILED if walk.fell else SUCCESS
@@ -202,16 +201,6 @@ def _head(run: "SpatialRun", asked: int, remedy: str | None) -> list[str]:
 
 
 _MOTORS = (("torque_share", "torque"), ("speed_share", "speed"))
-
-
-def _remedy(run: "SpatialRun", gait: "Gait", speed: float) -> str | None:
-    """What to change against a fall."""
-    from frontal_biped.simulation.falls import fall_remedy
-
-    if not run.fell:
-        return None
-    slower = f"walk slower than --speed {speed:g}" if speed else None
-    return fall_remedy(run.outcome, gait.specification) or slower
 
 
 def _text(table: dict[str, Any]) -> str:

@@ -12,6 +12,22 @@ from frontal_biped.simulation.trajectory import Trajectory
 ROUNDING = 1e-9
 """What a bound leaves for rounding, relative (FRI: in m): a saturated torque is at its limit, not beyond it."""
 
+AT_MOST: Mapping[str, tuple[str, str]] = {
+    "output_error": ("largest output error", "rad"),
+    "torque": ("largest torque, of the limit", ""),
+    "friction": ("largest |F_h| / F_v", ""),
+    "unsolved": ("unsolved ticks", ""),
+    "return_within": ("steps to return to the orbit", ""),
+    "foot_slip": ("largest slip of a foot", "m"),
+    "foot_rotation": ("largest rotation of a foot", "rad"),
+    "step_time_error": ("error of the step time", ""),
+    "speed_error": ("error of the last speed", ""),
+    "yaw_drift": ("change of the heading", "rad"),
+    "joint_speed": ("largest joint speed, of the limit", ""),
+    "self_collisions": ("instants at which links touch", ""),
+}
+"""Upper bounds by the keys of `Expectations`: what is measured, in words, and its unit."""
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -58,21 +74,7 @@ def judge(prepared: Prepared, run: AnyRun, measured: Mapping[str, float]) -> tup
     walked = run.steps_completed
     fate = "" if not run.fell else f", then it fell: {run.outcome}"
     findings = [Finding("steps", walked >= asked, f"walked {walked} of {asked} steps{fate}", float(walked))]
-    at_most: dict[str, tuple[str, str]] = {
-        "output_error": ("largest output error", "rad"),
-        "torque": ("largest torque, of the limit", ""),
-        "friction": ("largest |F_h| / F_v", ""),
-        "unsolved": ("unsolved ticks", ""),
-        "return_within": ("steps to return to the orbit", ""),
-        "foot_slip": ("largest slip of a foot", "m"),
-        "foot_rotation": ("largest rotation of a foot", "rad"),
-        "step_time_error": ("error of the step time", ""),
-        "speed_error": ("error of the last speed", ""),
-        "yaw_drift": ("change of the heading", "rad"),
-        "joint_speed": ("largest joint speed, of the limit", ""),
-        "self_collisions": ("instants at which links touch", ""),
-    }
-    for key, (label, unit) in at_most.items():
+    for key, (label, unit) in AT_MOST.items():
         bound = getattr(expect, key)
         if bound is None:
             continue

@@ -1,10 +1,12 @@
-"""What scenarios came to: a table for people, Markdown for a README, JUnit XML for continuous integration."""
+"""What scenarios came to: a verdict and a table for people, Markdown for a README, JUnit XML for integration."""
 
+import math
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
 from pathlib import Path
 
 from frontal_biped.files.atomic import write_text
+from frontal_biped.scenarios.expectations import AT_MOST
 from frontal_biped.scenarios.monte_carlo import CONFIDENCE, ScenarioResult
 
 MOST_LISTED = 5
@@ -12,6 +14,56 @@ MOST_LISTED = 5
 
 _COLUMNS = ("scenario", "simulator", "steps", "trials", "passed", "output error", "step time", "torque", "F_h/F_v", "")
 _UNITS = ("", "", "each", "", f"{100 * CONFIDENCE:g} % interval", "rad", "off by", "of limit", "", "")
+
+
+def verdict(results: Sequence[ScenarioResult]) -> str:
+    """Three lines: is all as expected, which bound was nearest, what it needed of the motors."""
+    failed = [result for result in results if not result.passed]
+    trials, passed = (sum(getattr(result.survival, key) for result in results) for key in ("trials", "passed"))
+    scenarios = "1 scenario" if len(results) == 1 else f"{len(results)} scenarios"
+    if failed:
+        reached = f"FAILED: {len(failed)} of {scenarios}: " + "; ".join(_why(result) for result in failed)
+    else:
+        reached = f"as expected: {scenarios}, {passed} of {trials} trials passed"
+    return "\n".join([reached, f"tightest  {_tightest(results)}", f"motors    {_motors(results)}"])
+
+
+def _why(result: ScenarioResult) -> str:
+    """The first trial of a scenario that failed, and how many did."""
+    first = next(trial for trial in result.results if not trial.passed)
+    missed = "; ".join(finding.text for finding in first.failures)
+    trials = result.survival.trials
+    count = "" if trials == 1 else f", {trials - result.survival.passed} of {trials} trials, the first of them"
+    return f"{result.scenario.name}{count} trial {first.number} of seed {first.seed}: {missed}"
+
+
+def _tightest(results: Sequence[ScenarioResult]) -> str:
+    """The upper bound of which most was used; where none is expected, the torque limit."""
+    found = []
+    for result in results:
+        for key, (label, unit) in AT_MOST.items():
+            bound = getattr(result.scenario.expect, key)
+            if bound:
+                value = result.worst(key)
+                of = f"{bound:g}{' ' + unit if unit else ''}"
+                found.append((value / bound, f"{label} {value:.3g} of {of}", result.scenario.name))
+    used = [each for each in found if math.isfinite(each[0])]
+    if not used:
+        return _motors(results)
+    share, what, name = max(used)
+    return f"{what}, {100.0 * share:.0f} %, in {name}"
+
+
+def _motors(results: Sequence[ScenarioResult]) -> str:
+    """The largest shares of the motors' limits over all trials."""
+    told = []
+    for key, what in (("torque", "torque"), ("joint_speed", "speed")):
+        shares = [(result.worst(key), result.scenario.name) for result in results if key in result.results[0].measured]
+        shares = [each for each in shares if math.isfinite(each[0])]
+        if shares:
+            most, name = max(shares)
+            told.append(f"{what} {100.0 * most:.0f} % of the limit, in {name}")
+    return "; ".join(told) or "nothing was measured"
 
 
 def table(results: Sequence[ScenarioResult]) -> str:

@@ -17,6 +17,9 @@ MOST_TRIANGLES = 40_000
 CELLS_ACROSS = 12
 """At least, of the longest side of each mesh: fingers stay fingers."""
 
+KEPT_AREA = 0.65
+"""Share of its area that a mesh keeps at least: where merging takes more, thin strokes have closed."""
+
 DEBRIS = 2e-3
 """Parts with less than this share of a mesh's area (screws, engraved letters) are lone triangles once it is light."""
 
@@ -36,10 +39,14 @@ def light_meshes(shapes: pin.GeometryModel) -> Iterator[tuple[pin.GeometryObject
     read = [(mesh_vertices(shape), mesh_triangles(shape)) for shape in meshes]
     cell = welded = 1e-4  # [m], a tenth of a millimetre welds what belongs together
     light = [merge_vertices(*mesh, cell) for mesh in read]
+    areas = [_area(*mesh) for mesh in light]
     largest = [np.ptp(vertices, axis=0).max(initial=0.0) / CELLS_ACROSS for vertices, _ in light]
     while sum(len(faces) for _, faces in light) > MOST_TRIANGLES and cell < max(largest):
         cell *= 1.25
-        light = [merge_vertices(*mesh, min(cell, limit)) for mesh, limit in zip(light, largest, strict=True)]
+        for i, limit in enumerate(largest):
+            merged = merge_vertices(*light[i], min(cell, limit))
+            if _area(*merged) >= KEPT_AREA * areas[i]:
+                light[i] = merged
     if cell > welded:
         light = [without_debris(*mesh) for mesh in light]
     for shape, (vertices, faces) in zip(meshes, light, strict=True):
@@ -78,6 +85,18 @@ def merge_vertices(vertices: FloatArray, faces: IntArray, cell: float) -> tuple[
     return mean[used], renumbered.reshape(-1, 3).astype(np.int64)
 
 
+def _area(vertices: FloatArray, faces: IntArray) -> float:
+    """Of all triangles together [m^2]."""
+    return float(_areas(vertices, faces).sum())
+
+
+def _areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """(k,) of each triangle [m^2]."""
+    corners = vertices[faces]
+    normals: FloatArray = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return 0.5 * np.linalg.norm(normals, axis=1)
+
+
 def without_debris(vertices: FloatArray, faces: IntArray, share: float = DEBRIS) -> tuple[FloatArray, IntArray]:
     """A mesh without its small parts: those whose triangles hang together, and nothing else, and have little area.
 
@@ -96,9 +115,7 @@ def without_debris(vertices: FloatArray, faces: IntArray, share: float = DEBRIS)
     graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))
     _, part_of_vertex = connected_components(graph, directed=False)
     part = part_of_vertex[faces[:, 0]]
-    corners = vertices[faces]
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    size = np.bincount(part, weights=area)
+    size = np.bincount(part, weights=_areas(vertices, faces))
     large = size >= min(share * size.sum(), size.max())
     used, renumbered = np.unique(faces[large[part]], return_inverse=True)
     return vertices[used], renumbered.reshape(-1, 3).astype(np.int64)

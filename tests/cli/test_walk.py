@@ -91,9 +91,13 @@ def test_what_it_came_to(stub, capsys):
 
 
 def test_a_fall_is_a_failure(stub, capsys):
-    stub["run"] = replace(stub["walked"], outcome="the pelvis tilted by more than 60 degrees")
+    run = stub["walked"]
+    settings = {**run.settings, "remedy": "walk slower than 0.1 m/s"}
+    stub["run"] = replace(run, outcome="the pelvis tilted by more than 60 degrees", settings=settings)
     assert main(["walk", "romeo"]) == 1
-    assert "romeo_bent: FELL (the pelvis tilted by more than 60 degrees) after 2 steps" in capsys.readouterr().out
+    head = capsys.readouterr().out.splitlines()[0]
+    assert "romeo_bent: FELL (the pelvis tilted by more than 60 degrees) after 2 steps" in head
+    assert head.endswith("; walk slower than 0.1 m/s")
 
 
 def test_figures(stub, tmp_path, capsys):

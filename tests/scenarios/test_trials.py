@@ -12,6 +12,7 @@ from frontal_biped.cli import main
 from frontal_biped.control import QpController
 from frontal_biped.library import worker_processes
 from frontal_biped.scenarios import load_scenario, run_scenario, run_trials, survival
+from frontal_biped.scenarios.report import verdict
 from frontal_biped.simulation import load_trajectory
 
 NOISY = """
@@ -178,9 +179,31 @@ def test_command_line_saves_reports_and_returns_1(write, tmp_path, capsys):
     assert run_trials([lenient])[0].passed
 
 
-def test_command_line_returns_0_and_prints_a_table(write, capsys):
-    assert main(["trial", str(write(SHORT))]) == 0
-    lines = capsys.readouterr().out.splitlines()
+def test_command_line_returns_0_and_the_verdict_leads(write, capsys):
+    assert main(["trial", str(write(SHORT)), "-v"]) == 0
+    out, _, rows = capsys.readouterr().out.partition("\n\n")
+    reached, tightest, motors = out.splitlines()
+    assert reached == "as expected: 1 scenario, 1 of 1 trials passed"
+    assert tightest.startswith("tightest  torque ") and tightest.endswith(
+        " % of the limit, in case"
+    )  # nothing is bounded
+    assert motors.startswith("motors    torque ")
+    lines = rows.splitlines()
     assert lines[0].startswith("scenario")
     assert lines[-1].startswith("case")
     assert lines[-1].endswith("as expected")
+
+
+def test_the_verdict_says_what_failed_and_which_bound_was_nearest(write):
+    text = SHORT + "[expect]\noutput_error = 1e-9\ntorque = 0.9\n"
+    (result,) = run_trials([load_scenario(write(text))])
+    reached, tightest, motors = verdict([result]).splitlines()
+    (failure,) = result.results[0].failures
+    assert reached == f"FAILED: 1 of 1 scenario: case trial 0 of seed {result.results[0].seed}: {failure.text}"
+    error, torque = (result.results[0].measured[key] for key in ("output_error", "torque"))
+    assert tightest.startswith(f"tightest  largest output error {error:.3g} of 1e-09 rad, {error / 1e-11:.0f} %")
+    assert motors == f"motors    torque {100.0 * torque:.0f} % of the limit, in case"
+    half = replace(result, results=(*result.results, replace(result.results[0], findings=())))
+    assert verdict([half, half]).startswith(
+        "FAILED: 2 of 2 scenarios: case, 1 of 2 trials, the first of them trial 0 of"
+    )

@@ -153,7 +153,8 @@ def _proposal(
         comments["gait"] = "used where no specification is given"
     undecided = [*undecided, *problems]
     head = [*notes, *(f"NOT DECIDED: {line}" for line in undecided)]
-    return Proposal(description_text(bent, urdf_key(bent.urdf, folder), head, comments), tuple(undecided), folder)
+    file = description_text(bent, urdf_key(bent.urdf, folder), head, comments)
+    return Proposal(file, tuple(undecided), folder, found=tuple(notes))
 
 
 def _walking_gait(gait: Mapping[str, Any], bent: RobotDescription, length: float) -> dict[str, Any]:

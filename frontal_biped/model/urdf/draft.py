@@ -45,12 +45,14 @@ class Proposal:
         undecided: what the user must settle before the robot can walk.
         folder: where the file belongs: its ``urdf`` is relative to it.
         changed: what is no longer as the user had it.
+        found: what was found, one line each.
     """
 
     text: str
     undecided: tuple[str, ...]
     folder: Path
     changed: tuple[str, ...] = ()
+    found: tuple[str, ...] = ()
 
 
 class FirstDraft(NamedTuple):

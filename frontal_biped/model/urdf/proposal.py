@@ -105,7 +105,7 @@ def _complete(
     head = [*notes, *(f"CHANGED: {line}" for line in changed), *(f"NOT DECIDED: {line}" for line in undecided)]
     folder = draft.urdf.parent if keep is None else keep.path.parent
     file = description_text(draft, urdf_key(draft.urdf, folder), head, comments)
-    return Proposal(file, tuple(undecided), folder, tuple(changed))
+    return Proposal(file, tuple(undecided), folder, tuple(changed), tuple(notes))
 
 
 def _posture_note(posture: Posture) -> str:

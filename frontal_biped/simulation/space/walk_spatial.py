@@ -1,6 +1,7 @@
 """Walk a planar gait in space, in one call: robot and gait in, run out."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from frontal_biped.control.joint_law import JointLaw
@@ -14,6 +15,7 @@ from frontal_biped.model.space.errors import SpatialErrors
 from frontal_biped.model.space.free_robot import FreeRobot
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.disturbances import Disturbances
+from frontal_biped.simulation.space.falls import spatial_fall_remedy
 from frontal_biped.simulation.space.pushes import SpatialPush
 from frontal_biped.simulation.space.run import SpatialRun
 from frontal_biped.simulation.space.settings import SpatialSettings, SpeedChange
@@ -61,7 +63,8 @@ def walk_spatial(
         content: of a gait file, to be kept with the run; default: the gait's.
 
     Returns:
-        The run; a fall is an outcome, not an error.
+        The run; a fall is an outcome, not an error, and ``settings["remedy"]`` says what to change where that is
+        known.
 
     Raises:
         MissingExtraError: MuJoCo is not installed.
@@ -85,4 +88,6 @@ def walk_spatial(
     )
     start = start_in_space(free, biped, gait.state_after_impact(), stance)
     told = gait_to_dict(gait) if content is None else content
-    return walk_in_space(free, used, start, chosen, stance=stance, errors=errors, on_step=on_step, gait=told)
+    run = walk_in_space(free, used, start, chosen, stance=stance, errors=errors, on_step=on_step, gait=told)
+    remedy = None if controller is not None else spatial_fall_remedy(biped, gait, run)
+    return run if remedy is None else replace(run, settings={**run.settings, "remedy": remedy})

@@ -51,9 +51,13 @@ def test_what_cannot_be_decided_is_said(tmp_path, capsys):
     urdf = load_robot("simple_humanoid_classical").description.urdf
     out = tmp_path / "toy.toml"
     assert main(["robots", "--describe", str(urdf), "-o", str(out)]) == 1
-    assert (
-        "not decided: sole: the foot has neither collision nor visual shapes; measure inner" in capsys.readouterr().err
-    )
+    written, *lines = capsys.readouterr().out.splitlines()
+    assert written == f"written to {out}"
+    assert [line.partition(":")[0] for line in lines if line[0] != " "] == ["found", "not decided", "next"]
+    assert lines[0].startswith("found:       legs: ")
+    (sole,) = (line for line in lines if "sole: " in line)
+    assert "sole: the foot has neither collision nor visual shapes; measure inner" in sole
+    assert lines[-1].endswith(f"settle in {out} what is not decided, then frontal-biped design --robot {out}")
     text = out.read_text(encoding="utf-8")
     assert "# NOT DECIDED: sole" in text
     with pytest.raises(HypothesisError, match=r"\[sole\] inner is missing"):
@@ -70,6 +74,9 @@ def test_a_planar_urdf_beside_it(model_files, capsys, biped):
     urdf, description = model_files
     description.unlink()
     assert main(["robots", "--describe", str(urdf), "-o", str(description)]) == 0
+    told = capsys.readouterr().out
+    assert "\nnot decided: nothing\n" in told
+    assert told.endswith(f"\nnext:        frontal-biped design --robot {description}\n")
     robot = load_robot(description)
     assert robot.sole == pytest.approx(biped.sole)
     assert robot.D(np.full(4, -1.5)) == pytest.approx(biped.D(np.full(4, -1.5)), rel=1e-14)

@@ -382,10 +382,10 @@ def test_angles_that_cannot_stay_are_said(tmp_path, capsys):
     out = tmp_path / "found.toml"
     assert main(["robots", "--posture", str(path), "-o", str(out)]) == 0
     posture = read_description(out).posture
-    (line,) = (line for line in capsys.readouterr().err.splitlines() if "changed" in line)
+    (line,) = (line for line in capsys.readouterr().out.splitlines() if "changed" in line)
     for name, old in (("left_knee_j", "0.4"), ("right_knee_j", "0.5"), ("left_hip_pitch_j", "0.6")):
         assert f"{name} from {old} to {posture[name]:g}" in line
-    assert line.split("changed: ")[1] in out.read_text(encoding="utf-8")
+    assert line.split("changed: ")[1].strip() in out.read_text(encoding="utf-8")
 
 
 # ------------------------------------------------------------------ files
