@@ -32,8 +32,9 @@ def joints_page(robot: FreeRobot) -> str:
     placed = root.createData()
     root.calc(placed, robot.posture)
     node[node_paths(robot.model)[1]].set_transform(np.asarray(placed.M.homogeneous, dtype=float))
+    scripts, styles = ("motion", "room", "joints"), ("viewer", "joints")
     return scene_page(
-        "joints", robot.name, recorder.packed(), joints_data(robot), ("motion", "joints"), ("viewer", "joints")
+        "joints", robot.name, recorder.packed(), joints_data(robot), scripts, styles, schemes="light dark"
     )
 
 

@@ -156,7 +156,7 @@ def viewer_page(title: str, packed: list[bytes], about: dict[str, Any], socket: 
         title,
         packed,
         about,
-        ("plots", "timeline", "motion", "viewer"),
+        ("plots", "timeline", "motion", "room", "viewer"),
         ("viewer",),
         connect="ws:" if socket else "",
         schemes="light dark",

@@ -17,8 +17,11 @@ MOST_TRIANGLES = 40_000
 CELLS_ACROSS = 12
 """At least, of the longest side of each mesh: fingers stay fingers."""
 
-KEPT_AREA = 0.65
-"""Share of its area that a mesh keeps at least: where merging takes more, thin strokes have closed."""
+TORN = 0.5
+"""A mesh that has lost more than this share of its area (thin strokes have closed) is made light anew, less so."""
+
+FINER = (0.1, 0.2, 0.5)
+"""Shares of the cell that are tried for it, as the triangles that are left allow."""
 
 DEBRIS = 2e-3
 """Parts with less than this share of a mesh's area (screws, engraved letters) are lone triangles once it is light."""
@@ -39,16 +42,21 @@ def light_meshes(shapes: pin.GeometryModel) -> Iterator[tuple[pin.GeometryObject
     read = [(mesh_vertices(shape), mesh_triangles(shape)) for shape in meshes]
     cell = welded = 1e-4  # [m], a tenth of a millimetre welds what belongs together
     light = [merge_vertices(*mesh, cell) for mesh in read]
-    areas = [_area(*mesh) for mesh in light]
+    whole, areas = light, [_area(*mesh) for mesh in light]
     largest = [np.ptp(vertices, axis=0).max(initial=0.0) / CELLS_ACROSS for vertices, _ in light]
     while sum(len(faces) for _, faces in light) > MOST_TRIANGLES and cell < max(largest):
         cell *= 1.25
-        for i, limit in enumerate(largest):
-            merged = merge_vertices(*light[i], min(cell, limit))
-            if _area(*merged) >= KEPT_AREA * areas[i]:
-                light[i] = merged
+        light = [merge_vertices(*mesh, min(cell, limit)) for mesh, limit in zip(light, largest, strict=True)]
     if cell > welded:
         light = [without_debris(*mesh) for mesh in light]
+        spare = MOST_TRIANGLES - sum(len(faces) for _, faces in light)
+        for i, area in enumerate(areas):
+            if _area(*light[i]) < TORN * area:
+                cells = (share * min(cell, largest[i]) for share in FINER)
+                finer = (without_debris(*merge_vertices(*whole[i], size)) for size in cells)
+                used = len(light[i][1])
+                light[i] = next((mesh for mesh in finer if len(mesh[1]) - used <= spare), light[i])
+                spare -= len(light[i][1]) - used
     for shape, (vertices, faces) in zip(meshes, light, strict=True):
         yield shape, vertices, faces
 

@@ -89,3 +89,26 @@ def test_command_takes_names_and_files_of_robots(tmp_path, capsys):
         assert "a robot is shown alone" in error and remedy in error and error.count("\n") == 1
     assert main(["view", "nobody.toml", "--html", str(tmp_path / "none.html")]) == 2
     assert "nobody.toml: no such file" in capsys.readouterr().err
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize(("width", "scheme"), [(400, "dark"), (400, "light"), (1000, "dark")])
+def test_nothing_is_cut_or_covered_and_it_is_as_dark_as_wished(biped, browser, tmp_path, width, scheme):
+    (tmp_path / "robot.html").write_text(joints_page(FreeRobot(biped.robot)), encoding="utf-8")
+    page = browser.new_page(viewport={"width": width, "height": 800}, color_scheme=scheme)
+    page.goto((tmp_path / "robot.html").as_uri())
+    page.wait_for_function("window.viewer && document.querySelectorAll('#joints input').length > 0")
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    caption, scene, joints = (page.locator(part).bounding_box() for part in ("#caption", "#scene", "#joints"))
+    if width == 400:  # one below the other
+        assert caption["y"] + caption["height"] <= scene["y"] + 1.0
+        assert scene["y"] + scene["height"] <= joints["y"] + 1.0 and scene["width"] == width
+    else:
+        assert max(caption["x"] + caption["width"], scene["x"] + scene["width"]) <= joints["x"] + 1.0
+    slider = page.locator("#joints input").first.bounding_box()
+    assert slider["x"] + slider["width"] <= width
+    drawn = page.locator("#scene canvas").bounding_box()
+    assert drawn["height"] == pytest.approx(scene["height"], abs=1.0)
+    sky = page.evaluate("viewer.scene_tree.find(['Background']).object.top_color")
+    assert (np.mean(sky) < 128.0) == (scheme == "dark")
+    page.close()

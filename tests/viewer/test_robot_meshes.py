@@ -1,5 +1,6 @@
 """Meshes made light: the shape stays, the triangles go, and the page shows the robot's own body."""
 
+import coal
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -81,6 +82,47 @@ def test_a_cube_keeps_its_edges_and_a_sphere_has_none():
     points, normals, _ = split_creases(vertices, faces)
     assert len(points) == len(vertices)
     assert np.abs(np.einsum("ij,ij->i", points, normals)) == pytest.approx(1.0, abs=0.015)
+
+
+def test_thin_strokes_of_a_small_mesh_stay():
+    """A heavy body beside the bars of a logo, each a thin box: the body is made light, the bars are not closed."""
+    bars = [box((0.1, 0.002, 0.001), (0.0, 0.006 * i, 0.0), 20) for i in range(8)]
+    counts = np.cumsum([0, *(len(points) for points, _ in bars)])
+    logo = (
+        np.concatenate([points for points, _ in bars]),
+        np.concatenate([faces + first for (_, faces), first in zip(bars, counts, strict=False)]),
+    )
+    shapes = pin.GeometryModel()
+    for name, (points, faces) in {"body": sphere(200), "logo": logo}.items():
+        shapes.addGeometryObject(pin.GeometryObject(name, 0, 0, pin.SE3.Identity(), bvh(points, faces)))
+    light = {shape.name: mesh for shape, *mesh in light_meshes(shapes)}
+    assert sum(len(faces) for _, faces in light.values()) <= MOST_TRIANGLES < 2 * 200 * 400
+    assert area(*light["logo"]) > 0.9 * area(*logo)
+    assert area(*light["body"]) == pytest.approx(4.0 * np.pi, rel=0.05)
+
+
+def box(size, centre, along):
+    """A closed box, its long sides cut in pieces."""
+    x = np.linspace(-0.5, 0.5, along + 1)
+    ring = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
+    points = np.array([(here, *corner) for here in x for corner in ring]) * size + centre
+    faces = []
+    for i in range(along):
+        for k in range(4):
+            a, b = 4 * i + k, 4 * i + (k + 1) % 4
+            faces += [(a, b, b + 4), (a, b + 4, a + 4)]
+    last = 4 * along
+    faces += [(0, 1, 2), (0, 2, 3), (last, last + 1, last + 2), (last, last + 2, last + 3)]
+    return points, np.array(faces)
+
+
+def bvh(points, faces):
+    mesh = coal.BVHModelOBBRSS()
+    mesh.beginModel(len(faces), len(points))
+    mesh.addVertices(np.asarray(points, dtype=float))
+    mesh.addTriangles(np.asarray(faces, dtype=np.uint32))
+    mesh.endModel()
+    return mesh
 
 
 @pytest.mark.slow

@@ -15,9 +15,28 @@
     viewer.handle_command_bytearray(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)));
   }
   const own = ([x, y, z]) => [x, z, -y]; // the viewer's own frame has y up
-  viewer.camera.position.set(...own(about.camera.position));
-  viewer.controls.target.set(...own(about.camera.target));
-  viewer.controls.update();
+  const { position, target } = about.camera;
+  let turned = false;
+  const fit = () => {
+    viewer.set_3d_pane_size(at("scene").clientWidth, at("scene").clientHeight);
+    if (!turned) {
+      const away = Room.away(viewer, about.camera);
+      viewer.camera.position.set(...own(target.map((value, k) => value + away * (position[k] - value))));
+      viewer.controls.target.set(...own(target));
+      viewer.controls.update();
+    }
+    viewer.render(); // at once: a canvas of a new size is empty
+  };
+  at("scene").addEventListener("pointerdown", () => { turned = true; });
+  at("scene").addEventListener("wheel", () => { turned = true; }, { passive: true });
+  at("scene").addEventListener("dblclick", () => { turned = false; fit(); });
+  window.addEventListener("load", fit); // after MeshCat's own, which take the height of the window
+  window.addEventListener("resize", fit);
+  new ResizeObserver(fit).observe(at("scene"));
+
+  const paint = () => Room.paint(viewer, Room.wish.matches);
+  Room.wish.addEventListener("change", paint);
+  paint();
   at("about").textContent = about.text;
 
   const sliders = about.joints.map((joint) => {

@@ -67,12 +67,12 @@
   // far enough away for everything to be seen, however narrow the window
   const look = () => {
     if (!about.camera) return;
-    const { position, target, half_width } = about.camera, [wayX, wayY] = way(now());
+    const { position, target } = about.camera, [wayX, wayY] = way(now());
     const offset = position.map((value, k) => value - target[k]);
     const shown = Math.hypot(...offset) * Math.tan((viewer.camera.fov * Math.PI) / 360) * viewer.camera.aspect;
     const over = about.inset && getComputedStyle(at("inset")).position === "absolute";
     const free = over ? 1 - at("inset").offsetWidth / Math.max(at("scene").clientWidth, 1) : 1;
-    const away = Math.max(1, (1.05 * half_width) / (free * shown));
+    const away = Room.away(viewer, about.camera, free);
     const own = ([x, y, z]) => [x, z, -y]; // the viewer's own frame has y up
     // the middle of the picture is that of what is left free beside the inset
     const aside = ((1 - free) * away * shown) / Math.hypot(offset[0], offset[1]);
@@ -100,28 +100,10 @@
   requestAnimationFrame(fit);
 
   // ------------------------------------------------------------------ light and dark
-  const ROOM = {
-    light: { top: [0.8, 0.87, 0.94], bottom: [0.97, 0.98, 0.99], floor: 0xe4e9ef, glow: 0x565a60, line: 0xaab4c2, rim: 0x222222 },
-    dark: { top: [0.12, 0.15, 0.19], bottom: [0.26, 0.3, 0.35], floor: 0x424c58, glow: 0x101418, line: 0x5a6673, rim: 0xd8dee6 },
-  };
-  const wish = matchMedia("(prefers-color-scheme: dark)");
-  let dark = about.theme === "dark" || (about.theme !== "light" && wish.matches);
+  let dark = about.theme === "dark" || (about.theme !== "light" && Room.wish.matches);
   const paint = () => {
-    document.documentElement.classList.toggle("dark", dark);
+    const room = Room.paint(viewer, dark);
     at("theme").textContent = dark ? "Light" : "Dark";
-    const room = ROOM[dark ? "dark" : "light"];
-    viewer.set_property(["Background"], "top_color", room.top);
-    viewer.set_property(["Background"], "bottom_color", room.bottom);
-    viewer.show_background();
-    if (exists("meshcat", "ground")) {
-      for (const [name, part] of Object.entries(viewer.scene_tree.find(["meshcat", "ground"]).children)) {
-        part.object.traverse((mesh) => {
-          if (!mesh.material) return;
-          mesh.material.color.setHex(name === "slab" ? room.floor : room.line);
-          if (mesh.material.emissive) mesh.material.emissive.setHex(room.glow);
-        });
-      }
-    }
     for (const run of runs) {
       for (const part of [["rim"], ["plumb", "line"]]) {
         if (exists("meshcat", run.node, "centre_of_mass", ...part)) {
@@ -132,7 +114,7 @@
     viewer.set_dirty();
   };
   at("theme").addEventListener("click", () => { dark = !dark; paint(); });
-  if (about.theme === "auto") wish.addEventListener("change", () => { dark = wish.matches; paint(); });
+  if (about.theme === "auto") Room.wish.addEventListener("change", () => { dark = Room.wish.matches; paint(); });
   paint();
 
   // ------------------------------------------------------------------ time
