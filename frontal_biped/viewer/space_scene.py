@@ -68,7 +68,11 @@ def marker_size(robot: FreeRobot) -> float:
 
 def space_camera(robot: FreeRobot) -> dict[str, Any]:
     """Where the camera stands at first, and what it looks at: from ahead on the robot's left, a bit raised [m]."""
-    half = 0.5 * ABOVE * highest_body(robot.model, robot.model.createData(), robot.posture)
+    model, data = robot.model, robot.model.createData()
+    top = highest_body(model, data, robot.posture)
+    # of a robot whose highest body begins at the hips, as in the plane, twice their height
+    hips = float(data.oMi[model.getJointId(robot.robot.description.joints["left_hip"])].translation[2])
+    half = max(hips, 0.5 * ABOVE * top)
     azimuth, away = np.radians(42.0), 3.95 * half
     return {
         "position": [away * np.cos(azimuth), away * np.sin(azimuth), 1.8 * half],

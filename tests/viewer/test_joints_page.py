@@ -111,4 +111,13 @@ def test_nothing_is_cut_or_covered_and_it_is_as_dark_as_wished(biped, browser, t
     assert drawn["height"] == pytest.approx(scene["height"], abs=1.0)
     sky = page.evaluate("viewer.scene_tree.find(['Background']).object.top_color")
     assert (np.mean(sky) < 128.0) == (scheme == "dark")
+    # bodies are seen whole: their corners are inside the picture
+    furthest = page.evaluate(
+        "() => { viewer.camera.updateMatrixWorld(); let most = 0; const robot = viewer.scene_tree.find(['meshcat',"
+        " 'first', 'robot']).object; robot.updateWorldMatrix(true, true); robot.traverse((o) => { if (o.isMesh) {"
+        " const at = o.geometry.attributes.position, p = o.position.clone(); for (let i = 0; i < at.count; i++) {"
+        " p.set(at.getX(i), at.getY(i), at.getZ(i)).applyMatrix4(o.matrixWorld).project(viewer.camera);"
+        " most = Math.max(most, Math.abs(p.x), Math.abs(p.y)); } } }); return most; }"
+    )
+    assert 0.3 < furthest < 1.0
     page.close()
