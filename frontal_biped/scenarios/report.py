@@ -33,8 +33,8 @@ def _why(result: ScenarioResult) -> str:
     first = next(trial for trial in result.results if not trial.passed)
     missed = "; ".join(finding.text for finding in first.failures)
     trials = result.survival.trials
-    count = "" if trials == 1 else f", {trials - result.survival.passed} of {trials} trials, the first of them"
-    return f"{result.scenario.name}{count} trial {first.number} of seed {first.seed}: {missed}"
+    count = "" if trials == 1 else f"{trials - result.survival.passed} of {trials} trials, the first of them "
+    return f"{result.scenario.name}, {count}trial {first.number} of seed {first.seed}: {missed}"
 
 
 def _tightest(results: Sequence[ScenarioResult]) -> str:
@@ -47,7 +47,7 @@ def _tightest(results: Sequence[ScenarioResult]) -> str:
                 value = result.worst(key)
                 of = f"{bound:g}{' ' + unit if unit else ''}"
                 found.append((value / bound, f"{label} {value:.3g} of {of}", result.scenario.name))
-    used = [each for each in found if math.isfinite(each[0])]
+    used = [each for each in found if not math.isnan(each[0])]  # infinite: never back on the orbit
     if not used:
         return _motors(results)
     share, what, name = max(used)

@@ -199,7 +199,7 @@ def test_the_verdict_says_what_failed_and_which_bound_was_nearest(write):
     (result,) = run_trials([load_scenario(write(text))])
     reached, tightest, motors = verdict([result]).splitlines()
     (failure,) = result.results[0].failures
-    assert reached == f"FAILED: 1 of 1 scenario: case trial 0 of seed {result.results[0].seed}: {failure.text}"
+    assert reached == f"FAILED: 1 of 1 scenario: case, trial 0 of seed {result.results[0].seed}: {failure.text}"
     error, torque = (result.results[0].measured[key] for key in ("output_error", "torque"))
     assert tightest.startswith(f"tightest  largest output error {error:.3g} of 1e-09 rad, {error / 1e-11:.0f} %")
     assert motors == f"motors    torque {100.0 * torque:.0f} % of the limit, in case"
