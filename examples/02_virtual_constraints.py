@@ -29,7 +29,7 @@ from frontal_biped.virtual_constraints.invariance import free_parameters
 def main() -> None:
     """Look at the constraints of a gait, spoil a column, and let invariance repair it."""
     robot = fb.load_robot("frontal_biped")
-    gait = fb.design_gait(robot).gait
+    gait = fb.design_gait(robot, quick=True).gait
     assert gait is not None
     rising = gait.rising
     print(f"rising  beta {rising.beta_start:.4f} .. {rising.beta_end:.4f} rad, {rising.degree + 1} columns")

@@ -36,7 +36,7 @@ TIGHT = 1e-12  # relative tolerance of the ODE solver
 def main() -> None:
     """zeta at the impact by quadrature and by an ODE solver."""
     robot = fb.load_robot("frontal_biped")
-    gait = fb.design_gait(robot).gait
+    gait = fb.design_gait(robot, quick=True).gait
     assert gait is not None
     falling = gait.falling
     beta = np.linspace(falling.beta_start, falling.beta_end, 3)

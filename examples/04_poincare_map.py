@@ -24,7 +24,7 @@ from frontal_biped.zero_dynamics.poincare import HybridZeroDynamics
 def main() -> None:
     """Deltas, fixed point, convergence of the map, and the slope of the simulated one."""
     robot = fb.load_robot("frontal_biped")
-    gait = fb.design_gait(robot).gait
+    gait = fb.design_gait(robot, quick=True).gait
     assert gait is not None
     hzd = HybridZeroDynamics(robot, gait.step(robot))
     print(f"delta_r {hzd.delta_r:.4f}, delta_f {hzd.delta_f:.4f}, delta_z {hzd.delta_z:.4f}")

@@ -29,7 +29,7 @@ def main(steps: int = 10) -> None:
     """Sampled control, its limits, and a start 1 % too fast."""
     robot = fb.load_robot("frontal_biped")
     specification = fb.GaitSpecification(max_pelvis_roll=float(np.radians(5.0)))
-    gait = fb.design_gait(robot, specification).gait
+    gait = fb.design_gait(robot, specification, quick=True).gait
     assert gait is not None
 
     run = fb.simulate(robot, gait, steps=steps, period=PERIOD, stabiliser="adaptive")  # told the state

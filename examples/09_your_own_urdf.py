@@ -10,7 +10,7 @@ You should see:
     left for you to decide: 0
     my_biped: 96.7 kg, hips 0.20 m apart
     sole from the ankle: -50, +50 mm; torque limits 150, 150 N m
-    J = 478.3 N^2 m s, multiplier 0.789, certified: True
+    J = 478.3 N^2 m s, multiplier 0.789, certified, and walks 20 steps: True
 
 Try to give one leg another mass: the load is refused, naming the hypothesis (HR3) and the remedy.
 """
@@ -56,7 +56,9 @@ def main(folder: Path) -> None:
     result = fb.design_gait(robot)
     assert result.gait is not None, result.message
     orbit = result.gait.orbit
-    print(f"J = {orbit.cost:.1f} N^2 m s, multiplier {orbit.multiplier:.3f}, certified: {result.success}")
+    print(
+        f"J = {orbit.cost:.1f} N^2 m s, multiplier {orbit.multiplier:.3f}, certified, and walks 20 steps: {result.success}"
+    )
 
 
 if __name__ == "__main__":

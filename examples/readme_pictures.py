@@ -61,7 +61,7 @@ def walking_in_space(out: Path) -> None:
 def page(out: Path) -> None:
     """A run with a push, on the exported page, where the push ends."""
     robot = fb.load_robot("frontal_biped")
-    gait = fb.design_gait(robot, load_specification("robust")).gait
+    gait = fb.design_gait(robot, load_specification("robust"), quick=True).gait
     assert gait is not None
     reversal = gait.orbit.step_duration + gait.step(robot).rising.duration  # of the second step
     push = Push(start=reversal, duration=0.05, impulse=12.0)

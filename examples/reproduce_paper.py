@@ -140,7 +140,7 @@ def reversal(robot: fb.FrontalBiped, gaits: dict[str, fb.Gait]) -> list[Row]:
 def main(out: Path) -> None:
     """Design, compare, draw."""
     robot = fb.load_robot("frontal_biped")
-    reference, level = (fb.design_gait(robot, spec).gait for spec in (fb.GaitSpecification(), LEVEL))
+    reference, level = (fb.design_gait(robot, spec, quick=True).gait for spec in (fb.GaitSpecification(), LEVEL))
     assert reference is not None and level is not None
     print("designed; simulating", flush=True)
     run = fb.simulate(robot, level, steps=2, period=None, stabiliser="fixed")  # the paper's transitions

@@ -28,7 +28,8 @@ from frontal_biped.version import __version__
 
 if TYPE_CHECKING:
     from frontal_biped.analysis.closed_form import GaitAnalysis, analyze
-    from frontal_biped.design.optimise import DesignResult, design_gait
+    from frontal_biped.design.optimise import DesignResult
+    from frontal_biped.design.walking_gait import design_gait
     from frontal_biped.gait.file import load_gait, save_gait
     from frontal_biped.gait.gait import Gait
     from frontal_biped.gait.shipped import load_specification

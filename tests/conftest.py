@@ -125,7 +125,7 @@ import pytest
 from hypothesis import settings
 from robot_files import write_robot
 
-from frontal_biped.design import DesignResult, design_gait
+from frontal_biped.design import DesignResult, optimise_gait
 from frontal_biped.gait import Gait, GaitSpecification, load_gait, load_specification
 from frontal_biped.model import FrontalBiped, load_robot
 from frontal_biped.simulation import Trajectory, orbit_trajectory, simulate
@@ -182,13 +182,13 @@ def robot(robots: Mapping[str, FrontalBiped], robot_name: str) -> FrontalBiped:
 @pytest.fixture(scope="session")
 def reference_design(biped: FrontalBiped) -> DesignResult:
     """Gait design with every specification at its default."""
-    return design_gait(biped, GaitSpecification())
+    return optimise_gait(biped, GaitSpecification())
 
 
 @pytest.fixture(scope="session")
 def level_design(biped: FrontalBiped) -> DesignResult:
     """The same with the pelvis level to five degrees."""
-    return design_gait(biped, GaitSpecification(max_pelvis_roll=float(np.radians(5.0))))
+    return optimise_gait(biped, GaitSpecification(max_pelvis_roll=float(np.radians(5.0))))
 
 
 @pytest.fixture(scope="session")
@@ -206,7 +206,7 @@ def level_gait(level_design: DesignResult) -> Gait:
 @pytest.fixture(scope="session")
 def robust_gait(biped: FrontalBiped) -> Gait:
     """The gait of the shipped specification `robust`."""
-    result = design_gait(biped, load_specification("robust"))
+    result = optimise_gait(biped, load_specification("robust"))
     assert result.gait is not None, result.message
     return result.gait
 

@@ -56,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Design a gait, write it, print its constraints."""
     from frontal_biped.design.walk_trial import STEPS
-    from frontal_biped.design.walking_gait import design_walking_gait
+    from frontal_biped.design.walking_gait import design_gait
     from frontal_biped.gait.file import load_gait, save_gait
     from frontal_biped.gait.shipped import load_specification
     from frontal_biped.gait.specification import default_specification
@@ -73,7 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
             progress.update(f"iteration {iteration}, J = {cost:.3f} N^2 m s, violation {violation:.1e}")
 
         start = None if arguments.start is None else load_gait(arguments.start)
-        result = design_walking_gait(
+        result = design_gait(
             biped,
             specification,
             quick=arguments.quick,

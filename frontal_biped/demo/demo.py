@@ -22,7 +22,7 @@ from frontal_biped.analysis.sensitivity import (
 )
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.demo.report import DemoReport, SampledRun
-from frontal_biped.design.optimise import design_gait
+from frontal_biped.design.optimise import optimise_gait
 from frontal_biped.exceptions import DesignFailedError
 from frontal_biped.files.atomic import require_folder, write_json
 from frontal_biped.gait.file import save_gait
@@ -98,7 +98,7 @@ def _compute(
         return _timed(stage, seconds)
 
     with timed("design"):
-        design = design_gait(
+        design = optimise_gait(
             biped,
             default_specification(biped),
             on_progress=lambda i, cost, _: say(f"designing, iteration {i}, J = {cost:.2f} N^2 m s"),
@@ -182,7 +182,7 @@ def _robust_card(
     biped: FrontalBiped, stabilisers: tuple[str, ...], pushes: tuple[tuple[str, float], ...]
 ) -> RobustnessCard | None:
     """What the gait of the specification `robust` can take; None where the robot has none."""
-    robust = design_gait(biped, load_specification("robust")).gait
+    robust = optimise_gait(biped, load_specification("robust")).gait
     if robust is None:
         return None
     return robustness_card(

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from frontal_biped.design.optimise import OPTIMISER_NODES, DesignResult, design_gait
+from frontal_biped.design.optimise import OPTIMISER_NODES, DesignResult, optimise_gait
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.gait.constraints import energy_margin, reversal_shift
 from frontal_biped.gait.gait import Gait
@@ -83,7 +83,7 @@ def follow_branch(
         if 1.0 - ahead < 0.5 * min_step:
             ahead = 1.0
         specification = target if ahead == 1.0 else blend(origin, target, ahead)
-        result = design_gait(biped, specification, start=current, fall_back=False, advise=size <= min_step)
+        result = optimise_gait(biped, specification, start=current, fall_back=False, advise=size <= min_step)
         if result.gait is not None and (not _jumped(biped, specification, current, result.gait) or not results):
             results.append(result)
             fractions.append(ahead)

@@ -89,7 +89,7 @@ class DesignResult:
 
 # a nearest point without an orbit is told by its values, not by warnings
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")
-def design_gait(
+def optimise_gait(
     biped: RobotLike,
     specification: GaitSpecification | str | Path | None = None,
     *,

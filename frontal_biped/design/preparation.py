@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from frontal_biped.design.optimise import design_gait
+from frontal_biped.design.optimise import optimise_gait
 from frontal_biped.exceptions import DesignFailedError, GaitFileError, RobotError
 from frontal_biped.files.atomic import require_folder, write_text
 from frontal_biped.gait.file import load_gait, save_gait
@@ -184,17 +184,17 @@ class _Maker:
         require_folder(self.folder)
         self.tell(f"designing a gait for {biped.name}")
         spec = default_specification(biped)
-        result = design_gait(biped, spec)
+        result = optimise_gait(biped, spec)
         if result.gait is None and result.remedy is not None:
             remedy = result.remedy
             self.tell(f"with {remedy.key} = {remedy.new:.4g} in place of {remedy.old:.4g}, which leaves none")
-            result = design_gait(biped, remedy.specification)
+            result = optimise_gait(biped, remedy.specification)
         elif result.gait is None and spec.max_foot_rotation is not None:
             freer = FREER * spec.max_foot_rotation
             self.tell(
                 f"with max_foot_rotation = {freer:.4g} in place of {spec.max_foot_rotation:.4g}, which found none"
             )
-            result = design_gait(biped, replace(spec, max_foot_rotation=freer))
+            result = optimise_gait(biped, replace(spec, max_foot_rotation=freer))
         if result.gait is None:
             raise DesignFailedError(f"no gait: {biped.name}: {result.message}; change [gait] in {biped.path}")
         save_gait(result.gait, target)

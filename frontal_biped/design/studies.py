@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from frontal_biped.design.optimise import DesignResult, design_gait
+from frontal_biped.design.optimise import DesignResult, optimise_gait
 from frontal_biped.gait.constraints import energy_margin, reversal_shift
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.specification import GaitSpecification
@@ -49,7 +49,7 @@ def pareto_front(
     start: Gait | None = None
     for value in values:
         changed = GaitSpecification.from_dict({**specification.as_dict(), key: value})
-        result = design_gait(biped, changed, start=start)
+        result = optimise_gait(biped, changed, start=start)
         start = result.gait or start
         points.append(StudyPoint(value, result, _measures(biped, result)))
         if on_point is not None:

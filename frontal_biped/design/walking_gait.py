@@ -9,17 +9,20 @@ stated share beyond the one that was asked for.
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.optimise import DesignResult, design_gait
+from frontal_biped.design.optimise import DesignResult, optimise_gait
 from frontal_biped.design.search import Progress
 from frontal_biped.design.tightening import Tightening, tightenings
 from frontal_biped.design.walk_trial import STEPS, WalkTrial, try_walk
 from frontal_biped.exceptions import SpecificationError
 from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.shipped import load_specification
 from frontal_biped.gait.specification import GaitSpecification, default_specification
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.catalogue import RobotLike, biped_of
 
 BUDGET = 0.25
 """Share of J that may be given away for a gait that walks [-]."""
@@ -37,13 +40,14 @@ Tell = Callable[[str], None]
 """Called with a line that says what is being done."""
 
 
-def design_walking_gait(
-    biped: FrontalBiped,
-    specification: GaitSpecification | None = None,
+def design_gait(
+    biped: RobotLike,
+    specification: GaitSpecification | str | Path | None = None,
     *,
     quick: bool = False,
     start: Gait | FloatArray | None = None,
     attempts: int = 1,
+    advise: bool = True,
     budget: float = BUDGET,
     on_progress: Progress | None = None,
     on_step: Callable[[str, int], None] | None = None,
@@ -52,19 +56,20 @@ def design_walking_gait(
     """A gait of least J under C01 to C09 that walks.
 
     Args:
-        biped: the robot.
-        specification: the bounds; default: `default_specification`.
+        biped: the robot, in any of its views, or by name or path.
+        specification: the bounds, also by name or path as `load_specification`; default: `default_specification`.
         quick: leave out the walk; the gait's provenance says so.
-        start: see `design_gait`.
-        attempts: see `design_gait`.
+        start: see `optimise_gait`.
+        attempts: see `optimise_gait`.
+        advise: see `optimise_gait`.
         budget: share of J that may be given away [-].
-        on_progress: see `design_gait`.
+        on_progress: see `optimise_gait`.
         on_step: called with the engine and the number of completed steps of a walk.
         tell: called with a line on every walk that failed and what is tried against it.
 
     Returns:
-        As `design_gait`; ``walk`` and ``tightened`` say how it walked, and what was asked beyond the specification. No
-        gait where none of those tried walks; the message says why.
+        As `optimise_gait`; ``walk`` and ``tightened`` say how it walked, and what was asked beyond the specification.
+        No gait where none of those tried walks; the message says why.
 
     Raises:
         UnreachablePoseError: no double support pose exists at the start.
@@ -73,8 +78,11 @@ def design_walking_gait(
     """
     if not budget >= 0.0:
         raise SpecificationError(f"budget = {budget:g} of J is negative; give the share that may be given away")
+    biped = biped_of(biped)
+    if isinstance(specification, str | Path):
+        specification = load_specification(specification)
     spec = default_specification(biped) if specification is None else specification
-    first = design_gait(biped, spec, start=start, attempts=attempts, on_progress=on_progress)
+    first = optimise_gait(biped, spec, start=start, attempts=attempts, advise=advise, on_progress=on_progress)
     if first.gait is None:
         return first
     if quick:
@@ -154,7 +162,7 @@ class _Search:
         """From the problem's own start, and where that leads to none or to a dear one from the gait before as well."""
         results: list[DesignResult] = []
         for start in (None, gait):
-            result = design_gait(
+            result = optimise_gait(
                 self.biped, spec, start=start, fall_back=start is not None, advise=False, on_progress=self.on_progress
             )
             self.seconds += result.seconds

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from frontal_biped.design.optimise import design_gait
+from frontal_biped.design.optimise import optimise_gait
 from frontal_biped.exceptions import FrontalBipedError
 from frontal_biped.library.store import LibraryStore
 from frontal_biped.library.sweep import GridPoint, Sweep
@@ -125,7 +125,7 @@ def design_batch(folder: Path, batch: tuple[GridPoint, ...], on_point: Callable[
             continue
         start = next((gait for before in reversed(batch[:i]) if (gait := store.gait(before.number)) is not None), None)
         try:
-            result = design_gait(_robot(point.robot), point.specification, start=start)
+            result = optimise_gait(_robot(point.robot), point.specification, start=start)
             store.save(point, result.gait, result.message)
         except FrontalBipedError as error:  # a point without a pose to start from must not end the batch
             store.save(point, None, str(error))

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from frontal_biped.design.optimise import design_gait
+from frontal_biped.design.optimise import optimise_gait
 from frontal_biped.exceptions import DesignFailedError, FrontalBipedError, ScenarioError
 from frontal_biped.files.table import Range, draw
 from frontal_biped.gait.file import load_gait
@@ -235,7 +235,7 @@ def _fitting(gait: Gait, biped: FrontalBiped, scenario: Scenario) -> Gait:
 
 @lru_cache(maxsize=32)
 def _designed(robot: str, specification: str) -> Gait:
-    result = design_gait(load_robot(robot), GaitSpecification.from_dict(json.loads(specification), "[gait]"))
+    result = optimise_gait(load_robot(robot), GaitSpecification.from_dict(json.loads(specification), "[gait]"))
     if result.gait is None or not result.success:
         raise DesignFailedError(f"no gait is found for {robot!r}, {result.message}")
     return result.gait

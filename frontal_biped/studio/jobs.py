@@ -18,7 +18,7 @@ from frontal_biped.analysis.push_recovery import (
     speed_errors,
     time_in_step,
 )
-from frontal_biped.design.optimise import design_gait
+from frontal_biped.design.optimise import optimise_gait
 from frontal_biped.gait.check import ConstraintReport
 from frontal_biped.gait.file import load_gait
 from frontal_biped.gait.gait import Gait
@@ -130,10 +130,12 @@ def design(tell: Tell, name: str, specification: GaitSpecification, start: Gait 
     tell("designing")
     # from the present gait first: that is fast, where other starts and advice may take a minute
     hurried = start is not None
-    result = design_gait(biped, specification, start=start, fall_back=not hurried, advise=not hurried, on_progress=show)
+    result = optimise_gait(
+        biped, specification, start=start, fall_back=not hurried, advise=not hurried, on_progress=show
+    )
     if result.gait is None and hurried:
         tell("no way from the present gait; trying other starts, and what to relax")
-        result = design_gait(biped, specification)
+        result = optimise_gait(biped, specification)
     clip, curves = (None, "") if result.gait is None else shown_gait(biped, result.gait)
     return Designed(result.gait, result.report, result.message, result.seconds, clip, curves)
 

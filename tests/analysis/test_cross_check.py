@@ -6,7 +6,7 @@ import pytest
 
 from frontal_biped.analysis.cross_check import cross_check
 from frontal_biped.cli import main
-from frontal_biped.design import design_gait
+from frontal_biped.design import optimise_gait
 from frontal_biped.gait import load_specification
 from frontal_biped.gait.file import save_gait
 from frontal_biped.simulation import Disturbances, Push, load_trajectory
@@ -16,7 +16,7 @@ pytest.importorskip("mujoco")
 
 @pytest.fixture(scope="module")
 def rough(biped):
-    return design_gait(biped, load_specification("rough")).gait
+    return optimise_gait(biped, load_specification("rough")).gait
 
 
 @pytest.fixture(scope="module")

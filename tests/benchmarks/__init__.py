@@ -1,10 +1,10 @@
 """What things cost, measured beside their peers in one run. No time is asserted; quote ratios, times are the machine's.
 
 **Designs**, `benchmark_design.py` (extra ``bench``, ``OMP_NUM_THREADS=1``): CPU time of whole designs from the default
-start, as a ratio to `design_gait` in the same run, one thread:
+start, as a ratio to `optimise_gait` in the same run, one thread:
 
                                                               reference    pelvis within 5 degrees
-    design_gait: optimiser, dense check, simulated step       1            1
+    optimise_gait: optimiser, dense check, simulated step       1            1
     the same problem in CasADi with IPOPT, exact Hessian      4.9          3.8
       of which IPOPT, its derivative graphs already built     1.2          0.7
     optimiser alone                                           0.57         0.77

@@ -23,6 +23,7 @@ from proxsuite import proxqp
 import frontal_biped as fb
 from frontal_biped.control import ControllerSettings, QpController, Source
 from frontal_biped.control.torques.torque_program import PENALTY_PARAMETER
+from frontal_biped.design import optimise_gait
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model import FrontalBiped, Stance
 from frontal_biped.model.state import State
@@ -38,7 +39,7 @@ def main() -> None:
     parser.add_argument("--ticks", type=int, default=4000)
     ticks = parser.parse_args().ticks
     robot = fb.load_robot()
-    gait = fb.design_gait(robot).gait
+    gait = optimise_gait(robot).gait
     assert gait is not None
     settings = replace(ControllerSettings.for_gait(gait), frequency=FREQUENCY)
     tight = replace(settings, max_torque=(8.0, 45.0, 45.0, 8.0))

@@ -5,7 +5,7 @@
 Needs ``pip install 'frontal-biped[bench]'``. Both public specifications (the default one, and a pelvis level to 5
 degrees) are designed for from the package's default start by
 
-- `design_gait`, after import: optimiser, dense check and simulated step; and by its optimiser alone;
+- `optimise_gait`, after import: optimiser, dense check and simulated step; and by its optimiser alone;
 - the same problem in CasADi with IPOPT and exact Hessians (`peer_casadi_ipopt`): everything, and IPOPT alone with its
   derivative graphs already built;
 - SciPy SLSQP and trust-constr, and IPOPT without second derivatives, on the package's own problem (`solvers`).
@@ -39,6 +39,7 @@ from solvers import (
 )
 
 import frontal_biped as fb
+from frontal_biped.design import optimise_gait
 from frontal_biped.design.optimise import OPTIMISER_NODES, DesignResult
 from frontal_biped.files.atomic import require_parent, write_json
 from frontal_biped.files.provenance import software_versions
@@ -81,9 +82,9 @@ def evaluations(scaled: ScaledProblem, repeat: int) -> dict[str, float]:
 
 
 def designs(robot: FrontalBiped, specification: fb.GaitSpecification, repeat: int) -> dict[str, float]:
-    """`design_gait` after import."""
-    results: list[DesignResult] = [fb.design_gait(robot, specification)]
-    seconds = median_seconds(lambda: results.append(fb.design_gait(robot, specification)), repeat)
+    """`optimise_gait` after import."""
+    results: list[DesignResult] = [optimise_gait(robot, specification)]
+    seconds = median_seconds(lambda: results.append(optimise_gait(robot, specification)), repeat)
     gait = results[-1].gait
     if gait is None:
         raise SystemExit(f"no gait: {results[-1].message}")
@@ -109,8 +110,8 @@ def peers(robot: FrontalBiped, specification: fb.GaitSpecification, barrier: str
 
 def print_designs(rows: dict[str, dict[str, float]]) -> None:
     """Designs beside the package's own: ratios of CPU times."""
-    ours = rows["design_gait"]["seconds"]
-    print(f"  {'':38}{'CPU s':>8}{'/ design_gait':>15}{'iterations':>12}{'J':>11}")
+    ours = rows["optimise_gait"]["seconds"]
+    print(f"  {'':38}{'CPU s':>8}{'/ optimise_gait':>15}{'iterations':>12}{'J':>11}")
     for name, row in rows.items():
         print(f"  {name:38}{row['seconds']:8.3f}{row['seconds'] / ours:15.2f}{row['iterations']:12.0f}{row['J']:11.4f}")
 
@@ -133,7 +134,7 @@ def compare(
 ) -> dict[str, Any]:
     """Everything on one specification."""
     print(f"\n{name}: whole designs, median of {repeat}", flush=True)
-    rows = {"design_gait": designs(robot, specification, repeat)}
+    rows = {"optimise_gait": designs(robot, specification, repeat)}
     for barrier in ("adaptive",) if quick else ("adaptive", "monotone"):
         peer = peers(robot, specification, barrier, min(repeat, 3))
         rows[f"CasADi + IPOPT, {barrier} barrier"] = peer

@@ -21,16 +21,17 @@ limits. What it printed (the seconds are processor time of one core):
 import time
 
 import frontal_biped as fb
+from frontal_biped.design import optimise_gait
 
 HUMANOIDS = ("talos_full", "romeo", "g1", "icub", "alexander", "human", "simple_humanoid_classical")
 
 
 def main() -> None:
-    fb.design_gait(fb.load_robot())  # imports and first calls are not the robot's
+    optimise_gait(fb.load_robot())  # imports and first calls are not the robot's
     for name in HUMANOIDS:
         began = time.process_time()
         robot = fb.load_robot(name)
-        result = fb.design_gait(robot)
+        result = optimise_gait(robot)
         if result.gait is None:
             print(f"{name}: {result.message}")
             continue

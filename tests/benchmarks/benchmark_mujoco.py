@@ -35,7 +35,7 @@ import numpy as np
 
 from frontal_biped import load_gait, load_robot
 from frontal_biped.analysis.cross_check import cross_check
-from frontal_biped.design import design_gait
+from frontal_biped.design import optimise_gait
 from frontal_biped.gait import load_specification
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model import FrontalBiped
@@ -51,7 +51,7 @@ PUSH_DURATION, PUSH_STEPS, LARGEST_PUSH = 0.05, 6, 60.0  # [s], after the push, 
 def rough() -> tuple[FrontalBiped, Gait]:
     """The Table I robot and its gait for rough going."""
     biped = load_robot("frontal_biped")
-    gait = design_gait(biped, load_specification("rough")).gait
+    gait = optimise_gait(biped, load_specification("rough")).gait
     assert gait is not None
     return biped, gait
 

@@ -1,4 +1,4 @@
-"""Is a gait ever refused that exists? Random bipeds and specifications, by `design_gait` and by CasADi with IPOPT.
+"""Is a gait ever refused that exists? Random bipeds and specifications, by `optimise_gait` and by CasADi with IPOPT.
 
     OMP_NUM_THREADS=1 PYTHONPATH=tests python tests/benchmarks/benchmark_peer.py [--cases N] [--first N] [--attempts N]
                                                                                  [--json FILE]
@@ -15,7 +15,7 @@ only then is its answer a gait. Per case: J of both, and one of
     neither       no gait by either
     FALSE REFUSAL only the peer found one
 
-Ours is a gait if `design_gait` says so: dense grid, residuals and a simulated step. A case takes
+Ours is a gait if `optimise_gait` says so: dense grid, residuals and a simulated step. A case takes
 about ten CPU seconds.
 
 On cases 0-99: 77 same, 6 cheaper, 1 dearer, 8 ours, 8 neither, 0 FALSE REFUSAL. Of 84 gaits of the peer ours costs at
@@ -37,7 +37,7 @@ import numpy as np
 from peer_casadi_ipopt import Peer
 from random_bipeds import RandomCase, random_case
 
-import frontal_biped as fb
+from frontal_biped.design import optimise_gait
 from frontal_biped.exceptions import FrontalBipedError
 from frontal_biped.files.atomic import require_parent, write_json
 
@@ -54,7 +54,7 @@ class Outcome(NamedTuple):
         ours: J of our gait [N^2 m s]; nan without one.
         peer: J of the peer's [N^2 m s]; nan without one.
         attempts: J of the cheapest of several attempts, where one start found a dearer gait than the peer.
-        message: of `design_gait`.
+        message: of `optimise_gait`.
         seconds: CPU time of our design, of the peer's.
     """
 
@@ -77,7 +77,7 @@ class Outcome(NamedTuple):
 def ours(case: RandomCase, attempts: int = 1) -> tuple[float, str]:
     """J [N^2 m s] of our gait, nan without one; and what was said."""
     try:
-        result = fb.design_gait(case.biped, case.specification, attempts=attempts, advise=False)
+        result = optimise_gait(case.biped, case.specification, attempts=attempts, advise=False)
     except FrontalBipedError as error:
         return float("nan"), str(error)
     return (result.gait.orbit.cost if result.gait is not None else float("nan")), result.message

@@ -22,7 +22,7 @@ import numpy as np
 
 from frontal_biped import load_robot
 from frontal_biped.control.walker.walker import PHASE_VARIABLES, Walker
-from frontal_biped.design import design_gait
+from frontal_biped.design import optimise_gait
 from frontal_biped.gait import default_specification
 from frontal_biped.gait.file import gait_to_dict
 from frontal_biped.gait.gait import Gait
@@ -70,7 +70,7 @@ def rows() -> list[dict[str, object]]:
         spec = default_specification(biped)
         least: Gait | None = None
         for smallest in RANGES:
-            gait = design_gait(biped, replace(spec, min_phase_range=smallest)).gait
+            gait = optimise_gait(biped, replace(spec, min_phase_range=smallest)).gait
             assert gait is not None
             least = least or gait
             for variable in PHASE_VARIABLES:

@@ -7,10 +7,10 @@ Starts: the default one with every free Bezier coefficient of the joints moved b
 0.03 rad and the step width anywhere in its bounds, uniformly. Each is restored (`DesignProblem.restored`) and optimised
 (`minimise`) once; and, for comparison, optimised without restoration. Its answer counts as a gait if the optimiser
 calls it feasible and 40 quadrature nodes a phase, not the optimiser's 16, confirm a stable periodic orbit; violations
-between the optimiser's nodes, which `design_gait` removes by tightening, are listed.
+between the optimiser's nodes, which `optimise_gait` removes by tightening, are listed.
 
 Specifications: friction, step duration, step width, pelvis roll, clearance and degrees at random, through
-`design_gait`. Each must end in a verified gait or in an explanation whose remedy leaves a gait: the remedy is
+`optimise_gait`. Each must end in a verified gait or in an explanation whose remedy leaves a gait: the remedy is
 followed here, by a design of the relaxed specification. One that ends otherwise is printed in full. With ``--peer``
 CasADi and IPOPT (`peer_casadi_ipopt`, needs the extra ``bench``) try every specification as well, from the same start
 and with the highest of its degrees: where they find a gait, it was not the specification that could not be met.
@@ -29,6 +29,7 @@ import numpy as np
 
 import frontal_biped as fb
 from frontal_biped.arrays import FloatArray
+from frontal_biped.design import optimise_gait
 from frontal_biped.design.optimise import OPTIMISER_NODES, SAFETY
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.design.trust_region_sqp import SqpSettings, minimise
@@ -163,7 +164,7 @@ class SpecificationOutcome(NamedTuple):
         number: of the specification; with the seed it draws the specification again.
         kind: "verified gait", "remedy leaves a gait", or what went wrong.
         good: is it one of the first two?
-        message: of `design_gait`.
+        message: of `optimise_gait`.
         cost: J [N^2 m s]; nan without a gait.
         iterations: of the optimiser, explanation included.
         seconds: CPU time, the design of the relaxed specification not included.
@@ -201,7 +202,7 @@ def run_specification(robot: FrontalBiped, seed: int, number: int, peer: bool) -
     """Design for one random specification, and follow the remedy if there is one."""
     specification = random_specification(np.random.default_rng([seed, number]), number)
     began = time.process_time()
-    result = fb.design_gait(robot, specification)
+    result = optimise_gait(robot, specification)
     seconds = time.process_time() - began
     cost, good = float("nan"), True
     if result.gait is not None:
@@ -210,7 +211,7 @@ def run_specification(robot: FrontalBiped, seed: int, number: int, peer: bool) -
         good = result.success and verified and satisfied
         kind, cost = "verified gait" if good else "gait that is not verified", result.gait.orbit.cost
     elif result.remedy is not None:
-        relaxed = fb.design_gait(robot, result.remedy.specification)
+        relaxed = optimise_gait(robot, result.remedy.specification)
         good = relaxed.success
         kind = "remedy leaves a gait" if good else f"remedy leaves NO gait: {relaxed.message}"
     else:

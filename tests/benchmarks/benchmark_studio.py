@@ -18,7 +18,7 @@ import threading
 import time
 from pathlib import Path
 
-from frontal_biped.design import design_gait
+from frontal_biped.design import optimise_gait
 from frontal_biped.studio.workbench import Workbench
 from frontal_biped.studio.worker import NewestFirst
 
@@ -88,7 +88,7 @@ def in_a_thread(robot):
     from frontal_biped.gait import GaitSpecification
     from frontal_biped.model import load_robot
 
-    thread = threading.Thread(target=lambda: design_gait(load_robot(robot), GaitSpecification(max_pelvis_roll=0.1)))
+    thread = threading.Thread(target=lambda: optimise_gait(load_robot(robot), GaitSpecification(max_pelvis_roll=0.1)))
     return lateness(thread.start, thread.is_alive)
 
 

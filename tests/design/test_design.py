@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from frontal_biped.design import design_gait
+from frontal_biped.design import optimise_gait
 from frontal_biped.design.optimise import OPTIMISER_NODES
 from frontal_biped.exceptions import SpecificationError, UnreachablePoseError
 from frontal_biped.gait import GaitSpecification, check_constraints
@@ -160,7 +160,7 @@ def test_dense_grid_and_coarse_grid_agree(biped, reference_design):
 def test_other_robots_can_be_designed_for(request, name):
     robot = request.getfixturevalue(name)
     seen = []
-    result = design_gait(robot, GaitSpecification(), on_progress=lambda *row: seen.append(row))
+    result = optimise_gait(robot, GaitSpecification(), on_progress=lambda *row: seen.append(row))
     assert result.success, result.message
     assert result.report.satisfied
     iterations, costs, violations = zip(*seen, strict=True)
@@ -175,13 +175,13 @@ def test_other_robots_can_be_designed_for(request, name):
 @pytest.mark.slow
 def test_infeasible_specification_is_a_result_not_an_exception(biped):
     """A step of twenty milliseconds: no gait, and a message that names a constraint."""
-    assert_refused(design_gait(biped, GaitSpecification(step_duration=(0.01, 0.02))))
+    assert_refused(optimise_gait(biped, GaitSpecification(step_duration=(0.01, 0.02))))
 
 
 def test_sole_too_short_for_its_margins(biped):
     """Margins of 0.06 m at both ends of a sole of 0.1 m leave no room for the FRI."""
     with pytest.raises(SpecificationError, match="leaves no room in a sole"):
-        design_gait(biped, GaitSpecification(fri_margin=0.06))
+        optimise_gait(biped, GaitSpecification(fri_margin=0.06))
 
 
 def assert_refused(result):
@@ -194,13 +194,13 @@ def assert_refused(result):
 
 def test_unreachable_width_raises(biped):
     with pytest.raises(UnreachablePoseError, match="step_width"):
-        design_gait(biped, GaitSpecification(step_width=(3.0, 4.0)))
+        optimise_gait(biped, GaitSpecification(step_width=(3.0, 4.0)))
 
 
 @pytest.mark.parametrize("degree", [4, 5, 7])
 def test_design_can_start_from_a_gait(biped, reference_gait, degree):
     """From its own answer the optimiser stays there; a lower degree costs more, a higher one less."""
-    result = design_gait(biped, GaitSpecification(degree=degree), start=reference_gait)
+    result = optimise_gait(biped, GaitSpecification(degree=degree), start=reference_gait)
     assert result.success, result.message
     change = result.gait.orbit.cost / reference_gait.orbit.cost - 1.0
     if degree == 5:
@@ -228,7 +228,7 @@ def test_equal_input_gives_equal_bytes(biped, reference_gait, tmp_path):
     code = (
         "import sys, numpy as np; kept = [np.zeros(n) for n in range(1, 300, 7)]\n"
         "import frontal_biped as fb\n"
-        "result = fb.design_gait(fb.load_robot('frontal_biped'), fb.GaitSpecification())\n"
+        "result = fb.design_gait(fb.load_robot('frontal_biped'), fb.GaitSpecification(), quick=True)\n"
         "fb.save_gait(result.gait, sys.argv[1])\n"
     )
     for threads in ("1", "2"):
@@ -239,7 +239,7 @@ def test_equal_input_gives_equal_bytes(biped, reference_gait, tmp_path):
 
 
 def test_several_starts_keep_the_cheapest(biped, reference_gait):
-    result = design_gait(biped, GaitSpecification(seed=3), attempts=2)
+    result = optimise_gait(biped, GaitSpecification(seed=3), attempts=2)
     assert result.success
     assert result.gait.orbit.cost <= reference_gait.orbit.cost * (1.0 + 1e-5)
 
@@ -250,9 +250,9 @@ def test_a_start_that_leads_nowhere_falls_back(biped):
 
     problem = DesignProblem(biped, GaitSpecification(), OPTIMISER_NODES)
     start = problem.start() + 0.8 * np.sin(7.0 * np.arange(problem.size))
-    assert design_gait(biped, GaitSpecification(), start=start).success
+    assert optimise_gait(biped, GaitSpecification(), start=start).success
 
 
 def test_no_attempts_are_refused(biped):
     with pytest.raises(SpecificationError, match="attempts = 0"):
-        design_gait(biped, attempts=0)
+        optimise_gait(biped, attempts=0)

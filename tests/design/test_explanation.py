@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from frontal_biped.design import design_gait
+from frontal_biped.design import optimise_gait
 from frontal_biped.design.explanation import Conflict, remedy
 from frontal_biped.gait import GaitSpecification
 
@@ -18,7 +18,7 @@ def impossible(biped):
 
 @pytest.fixture(scope="module")
 def refused(biped, impossible):
-    return design_gait(biped, impossible)
+    return optimise_gait(biped, impossible)
 
 
 class TestRefusal:
@@ -53,7 +53,7 @@ class TestRefusal:
         before, after = impossible.as_dict(), cure.specification.as_dict()
         name = cure.key.partition("[")[0]
         assert {key for key in after if after[key] != before.get(key)} == {name}
-        assert design_gait(biped, cure.specification).success
+        assert optimise_gait(biped, cure.specification).success
 
 
 @pytest.mark.parametrize(

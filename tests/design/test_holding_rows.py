@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from random_states import assert_close
 
-from frontal_biped.design import design_gait
+from frontal_biped.design import optimise_gait
 from frontal_biped.design.derivatives import plane_dynamics
 from frontal_biped.design.forward_mode import Dual
 from frontal_biped.design.problem import DesignProblem
@@ -74,15 +74,15 @@ def test_differentiated_dynamics_are_the_plain_ones(humanoid):
 
 def test_a_sole_of_unknown_length_is_told(raised_ankle):
     with pytest.raises(RobotError, match=r"length of the sole .* give \[sole\] front, back"):
-        design_gait(raised_ankle, GaitSpecification(cop_margin_x=0.0))
+        optimise_gait(raised_ankle, GaitSpecification(cop_margin_x=0.0))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "bounds"), [("g1", {"yaw_friction": 0.6}), ("romeo", {"yaw_friction": 0.25})])
 def test_gaits_keep_the_bounds_and_pay_for_them(name, bounds):
     robot = load_robot(name)
-    free = design_gait(robot, default_specification(robot))
-    result = design_gait(robot, replace(default_specification(robot), **bounds))
+    free = optimise_gait(robot, default_specification(robot))
+    result = optimise_gait(robot, replace(default_specification(robot), **bounds))
     assert result.success, result.message
     used = [check for check in result.report.checks if check.code == "yaw_friction"]
     assert len(used) == 2 and all(check.satisfied for check in used)

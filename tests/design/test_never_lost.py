@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from random_bipeds import random_case
 
-from frontal_biped.design import design_gait
+from frontal_biped.design import optimise_gait
 from frontal_biped.design.explanation import Conflict, conflicts
 from frontal_biped.design.optimise import OPTIMISER_NODES, SAFETY
 from frontal_biped.design.problem import ANGLE_REACH, LEAST_TIGHTENING, DesignProblem
@@ -47,7 +47,7 @@ def test_a_gait_that_breaks_a_bound_is_not_kept(biped, reference_gait):
 
 
 def test_from_a_gait_the_design_costs_no_more(biped, reference_gait):
-    result = design_gait(biped, start=reference_gait, fall_back=False, advise=False)
+    result = optimise_gait(biped, start=reference_gait, fall_back=False, advise=False)
     assert result.success, result.message
     assert result.gait.orbit.cost <= reference_gait.orbit.cost * (1.0 + 1e-12)
 
@@ -59,7 +59,7 @@ def test_a_start_that_keeps_every_bound_survives_the_optimiser(biped, reference_
     x = problem.start() if ending == "nowhere" else problem.variables(reference_gait)
     end = SqpResult(x, 1e9, 0.0 if ending == "elsewhere" else 1.0, 1, 1, False, ending == "elsewhere", ending)
     monkeypatch.setattr(Search, "_minimise", lambda *_: end)
-    result = design_gait(biped, start=reference_gait, fall_back=False, advise=False)
+    result = optimise_gait(biped, start=reference_gait, fall_back=False, advise=False)
     assert result.success, result.message
     assert result.gait.orbit.cost == pytest.approx(reference_gait.orbit.cost, rel=1e-9)
 
@@ -163,7 +163,7 @@ def test_a_conflict_names_the_bound_that_was_asked_for(biped, reference_gait, ti
 def test_gaits_that_the_peer_finds(tmp_path, number, peer_cost):
     """J of CasADi and IPOPT by benchmark_peer.py; a gait of 58 was once refused, 1 cost 0.7 % more."""
     case = random_case(number, tmp_path)
-    result = design_gait(case.biped, case.specification, advise=False)
+    result = optimise_gait(case.biped, case.specification, advise=False)
     assert result.success, result.message
     assert result.gait.orbit.cost <= 1.001 * peer_cost
 
@@ -172,7 +172,7 @@ def test_gaits_that_the_peer_finds(tmp_path, number, peer_cost):
 def test_tightening_alone_refuses_nothing(tmp_path):
     """Bounds moved inwards for what lies between the nodes once left case 81 without a gait."""
     case = random_case(81, tmp_path)
-    result = design_gait(case.biped, case.specification, advise=False)
+    result = optimise_gait(case.biped, case.specification, advise=False)
     assert result.success, result.message
 
 
@@ -180,6 +180,6 @@ def test_tightening_alone_refuses_nothing(tmp_path):
 def test_attempts_find_the_peers_cheaper_minimum(tmp_path):
     """Of case 40 the default start and random ones around it lead to J = 261, CasADi and IPOPT to 231.683."""
     case = random_case(40, tmp_path)
-    result = design_gait(case.biped, case.specification, attempts=2, advise=False)
+    result = optimise_gait(case.biped, case.specification, attempts=2, advise=False)
     assert result.success, result.message
     assert result.gait.orbit.cost <= 1.001 * 231.683

@@ -34,7 +34,7 @@ def no_design(monkeypatch):
         asked.append(biped.name)
         return Designed
 
-    monkeypatch.setattr(preparation, "design_gait", design)
+    monkeypatch.setattr(preparation, "optimise_gait", design)
     return asked
 
 
@@ -153,7 +153,7 @@ def test_no_gait_is_an_error_that_names_the_file(tmp_path, monkeypatch):
     class Failed:
         gait, remedy, message = None, None, "contradiction"
 
-    monkeypatch.setattr(preparation, "design_gait", lambda *_: Failed)
+    monkeypatch.setattr(preparation, "optimise_gait", lambda *_: Failed)
     with pytest.raises(DesignFailedError, match=r"no gait: human_bent: contradiction; change \[gait\] in .*human_bent"):
         prepare_to_walk("human", tmp_path)
 
@@ -171,7 +171,7 @@ def test_a_remedy_that_was_tried_is_taken(tmp_path, told, monkeypatch):
     def design(biped, spec):
         return Result(spec is Remedy.specification)
 
-    monkeypatch.setattr(preparation, "design_gait", design)
+    monkeypatch.setattr(preparation, "optimise_gait", design)
     prepare_to_walk("human", tmp_path, on_progress=told.append)
     assert "with friction = 0.2 in place of 0.1, which leaves none" in told
 
@@ -184,7 +184,7 @@ def test_a_foot_may_turn_more_where_no_remedy_is_known(tmp_path, told, monkeypat
             found = spec.max_foot_rotation > 0.05
             self.gait = load_gait(models_dir() / "romeo_bent.gait.json") if found else None
 
-    monkeypatch.setattr(preparation, "design_gait", lambda biped, spec: Result(spec))
+    monkeypatch.setattr(preparation, "optimise_gait", lambda biped, spec: Result(spec))
     prepare_to_walk(load_robot("romeo").description.urdf, tmp_path, on_progress=told.append)
     assert "with max_foot_rotation = 0.1 in place of 0.05, which found none" in told
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from frontal_biped.design import design_gait, pareto_front
+from frontal_biped.design import optimise_gait, pareto_front
 from frontal_biped.gait import GaitSpecification
 from frontal_biped.gait.constraints import energy_margin, reversal_shift
 from frontal_biped.simulation.settings import SimulationSettings
@@ -56,7 +56,7 @@ def test_energy_margin_against_the_integrated_barrier(biped, gait):
     [("max_multiplier", 0.72, -1), ("min_energy_margin", 1.0, 1), ("max_reversal_shift", 1e-3, -1)],
 )
 def test_bounds_are_kept_and_cost_something(biped, reference_design, key, bound, sign):
-    result = design_gait(biped, GaitSpecification(**{key: bound}))
+    result = optimise_gait(biped, GaitSpecification(**{key: bound}))
     assert result.success, result.message
     step = result.gait.step(biped)
     value = {
@@ -89,7 +89,7 @@ def test_a_higher_degree_is_no_dearer(biped):
 @pytest.mark.slow
 def test_degrees_of_single_outputs(biped, reference_design):
     """A lower degree of one output costs more than none; its surplus coefficients vanish to rounding."""
-    result = design_gait(biped, GaitSpecification(degree=(5, 4, 5)))
+    result = optimise_gait(biped, GaitSpecification(degree=(5, 4, 5)))
     assert result.success, result.message
     assert result.gait.orbit.cost > reference_design.gait.orbit.cost
     for phase in (result.gait.rising, result.gait.falling):

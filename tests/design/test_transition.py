@@ -6,7 +6,7 @@ from random_states import assert_close
 
 from frontal_biped.control.controller import QpController
 from frontal_biped.control.sequence import GaitSequence
-from frontal_biped.design import design_gait, design_transition
+from frontal_biped.design import design_transition, optimise_gait
 from frontal_biped.design.ends import Between
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.exceptions import DesignFailedError, GaitFileError
@@ -27,12 +27,12 @@ GRADIENT_TOLERANCE = 1e-6
 
 @pytest.fixture(scope="module")
 def narrow(biped):
-    return design_gait(biped, GaitSpecification(step_width=(0.28, 0.28), max_pelvis_roll=0.15)).gait
+    return optimise_gait(biped, GaitSpecification(step_width=(0.28, 0.28), max_pelvis_roll=0.15)).gait
 
 
 @pytest.fixture(scope="module")
 def wide(biped):
-    return design_gait(biped, GaitSpecification(step_width=(0.32, 0.32), max_pelvis_roll=0.12)).gait
+    return optimise_gait(biped, GaitSpecification(step_width=(0.32, 0.32), max_pelvis_roll=0.12)).gait
 
 
 @pytest.fixture(scope="module", params=["widening", "narrowing"])

@@ -7,7 +7,7 @@ import pytest
 from frontal_biped.design import walking_gait
 from frontal_biped.design.tightening import tightenings
 from frontal_biped.design.walk_trial import EngineWalk, WalkTrial, engines, try_walk
-from frontal_biped.design.walking_gait import design_walking_gait
+from frontal_biped.design.walking_gait import design_gait
 from frontal_biped.exceptions import SpecificationError
 from frontal_biped.gait import GaitSpecification, load_specification
 from frontal_biped.gait.file import load_gait, save_gait
@@ -59,7 +59,7 @@ def test_a_level_foot_comes_first_where_it_landed_on_its_edge():
 
 
 def test_a_gait_that_walks_is_the_certified_one_and_says_so(biped, reference_gait, walks, tmp_path):
-    result = design_walking_gait(biped, GaitSpecification())
+    result = design_gait(biped, GaitSpecification())
     assert result.success
     assert result.tightened == ()
     assert result.gait.rising.joint_bezier.tolist() == reference_gait.rising.joint_bezier.tolist()
@@ -74,7 +74,7 @@ def test_what_governs_the_fall_is_tightened(biped, walks):
     answers, seen = walks
     answers[:] = [fallen(EventKind.EDGE_LANDING.value, "mujoco"), GOOD]
     lines = []
-    result = design_walking_gait(biped, GaitSpecification(), tell=lines.append)
+    result = design_gait(biped, GaitSpecification(), tell=lines.append)
     assert result.success
     (change,) = result.tightened
     assert (change.key, change.engine) == ("max_foot_rotation", "mujoco")
@@ -90,19 +90,19 @@ def test_the_budget_is_kept(biped, walks):
     """A level foot costs 2.6 % here: with less to give away the reason is said, and no gait is handed over."""
     answers, _ = walks
     answers[:] = [fallen(EventKind.EDGE_LANDING.value)]
-    result = design_walking_gait(biped, GaitSpecification(), budget=1e-4)
+    result = design_gait(biped, GaitSpecification(), budget=1e-4)
     assert result.gait is None
     assert not result.success
     assert "does not walk" in result.message
     assert EventKind.EDGE_LANDING.value in result.message
     with pytest.raises(SpecificationError, match="budget = -1"):
-        design_walking_gait(biped, budget=-1.0)
+        design_gait(biped, budget=-1.0)
 
 
 def test_changes_add_up_where_another_event_ends_the_next_walk(biped, walks, monkeypatch):
     answers, _ = walks
     answers[:] = [fallen(EventKind.EDGE_LANDING.value), fallen(EventKind.EARLY_LANDING.value), GOOD]
-    result = design_walking_gait(biped, GaitSpecification())
+    result = design_gait(biped, GaitSpecification())
     assert [change.key for change in result.tightened] == ["max_foot_rotation", "swing_clearance"]
     spec = result.gait.specification
     assert (spec.max_foot_rotation, spec.swing_clearance) == tuple(change.new for change in result.tightened)
@@ -113,7 +113,7 @@ def test_one_stage_after_another_where_the_same_event_goes_on(biped, walks, monk
     answers, seen = walks
     answers[:] = [fallen("something new")] * 4
     monkeypatch.setattr(walking_gait, "MOST_DESIGNS", 3)
-    assert design_walking_gait(biped, GaitSpecification()).gait is None
+    assert design_gait(biped, GaitSpecification()).gait is None
     asked = [(gait.specification.max_foot_rotation, gait.specification.swing_clearance) for gait in seen]
     assert asked == [(None, 0.01), (0.05, 0.01), (0.02, 0.01), (None, 0.015)]
 
@@ -127,7 +127,7 @@ def test_walking_at_another_speed_is_no_walk():
 
 @pytest.mark.slow
 def test_rough_walks_in_every_engine(biped):
-    gait = walking_gait.design_gait(biped, load_specification("rough")).gait
+    gait = walking_gait.optimise_gait(biped, load_specification("rough")).gait
     trial = try_walk(biped, gait)
     assert trial.walked
     assert tuple(walk.engine for walk in trial.walks) == engines()

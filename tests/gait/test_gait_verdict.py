@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from frontal_biped.analysis.closed_form import analyze
-from frontal_biped.design.optimise import design_gait
+from frontal_biped.design.optimise import optimise_gait
 from frontal_biped.gait.file import gait_from_dict, gait_to_dict, load_gait
 from frontal_biped.gait.gait import Gait, orbit_numbers
 from frontal_biped.gait.verdict import RESIDUAL_BOUND, Objection, judge
@@ -85,7 +85,7 @@ def test_design_refuses_what_the_verdict_refuses(biped, reference_gait, monkeypa
     for verdict in (Verdict.REFUTED, Verdict.UNDECIDED):
         said = dataclasses.replace(true, objections=(Objection(verdict, "the moon is full"),))
         monkeypatch.setattr("frontal_biped.design.optimise.judge", lambda *args, said=said, **more: said)
-        result = design_gait(biped, reference_gait.specification, start=reference_gait, fall_back=False, advise=False)
+        result = optimise_gait(biped, reference_gait.specification, start=reference_gait, fall_back=False, advise=False)
         assert result.gait is None
         assert not result.success
         assert "the moon is full" in result.message

@@ -8,7 +8,7 @@ import pytest
 from frontal_biped.analysis.closed_form import analyze
 from frontal_biped.analysis.sensitivity import simulated_multiplier
 from frontal_biped.control import ControllerSettings
-from frontal_biped.design import design_gait
+from frontal_biped.design import optimise_gait
 from frontal_biped.gait import default_specification
 from frontal_biped.gait.file import load_gait
 from frontal_biped.model import FrontalBiped, Robot, load_robot, load_whole_robot, models_dir
@@ -116,7 +116,7 @@ def test_its_multiplier_is_that_of_the_full_model(humanoid, gait):
 
 @pytest.mark.slow
 def test_a_new_design_costs_the_same(humanoid, gait):
-    result = design_gait(humanoid)
+    result = optimise_gait(humanoid)
     assert result.success, result.message
     assert result.gait.orbit.cost == pytest.approx(gait.orbit.cost, rel=SAME_COST)
 
@@ -138,7 +138,7 @@ def test_talos_as_the_independent_optimiser_had_it():
     Columns are kept within 0.9 rad of the start: the usual 3 rad lead this robot to a local minimum of 595.
     """
     talos = load_robot("talos_full")
-    result = design_gait(unlimited("talos_full"), default_specification(talos), column_reach=0.9)
+    result = optimise_gait(unlimited("talos_full"), default_specification(talos), column_reach=0.9)
     assert result.success, result.message
     assert result.gait.orbit.cost <= TALOS_BOUND
     stored = load_gait(models_dir() / "talos_full.gait.json")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from frontal_biped.control.walker.walker import Walker
-from frontal_biped.design import design_gait
+from frontal_biped.design import optimise_gait
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.gait import load_specification
 from frontal_biped.gait.file import load_gait
@@ -28,7 +28,7 @@ HARD = Disturbances(encoder_noise=1e-4, imu_noise=1e-4, torque_noise=0.02, delay
 
 @pytest.fixture(scope="module")
 def rough(biped):
-    return design_gait(biped, load_specification("rough")).gait
+    return optimise_gait(biped, load_specification("rough")).gait
 
 
 @pytest.fixture(scope="module")

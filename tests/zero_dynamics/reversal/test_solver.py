@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from frontal_biped.design import design_gait
+from frontal_biped.design import optimise_gait
 from frontal_biped.gait import GaitSpecification
 from frontal_biped.numerics.verdict import Verdict
 from frontal_biped.virtual_constraints.invariance import complete, free_parameters
@@ -27,7 +27,7 @@ CLOSED = 1e-6  # relative, derivatives in closed form against central difference
 def swaying_gait(biped):
     """A gait that sways 0.07 rad: its reversal is unique, and the paper's iteration runs away from it."""
     spec = GaitSpecification(min_phase_range=0.07, max_pelvis_roll=float(np.radians(5.0)), fri_margin=0.02)
-    result = design_gait(biped, spec)
+    result = optimise_gait(biped, spec)
     assert result.gait is not None, result.message
     return result.gait
 
