@@ -56,9 +56,8 @@ def main(folder: Path) -> None:
     result = fb.design_gait(robot)
     assert result.gait is not None, result.message
     orbit = result.gait.orbit
-    print(
-        f"J = {orbit.cost:.1f} N^2 m s, multiplier {orbit.multiplier:.3f}, certified, and walks 20 steps: {result.success}"
-    )
+    figures = f"J = {orbit.cost:.1f} N^2 m s, multiplier {orbit.multiplier:.3f}"
+    print(f"{figures}, certified, and walks 20 steps: {result.success}")
 
 
 if __name__ == "__main__":
