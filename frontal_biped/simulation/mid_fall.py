@@ -13,7 +13,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import Trajectory
-from frontal_biped.virtual_constraints.swayed import POINTS, runs_one_way
+from frontal_biped.virtual_constraints.swayed import POINTS
 from frontal_biped.zero_dynamics.orbit import resample
 
 
@@ -28,10 +28,10 @@ def speed_errors(biped: FrontalBiped, gait: Gait, run: Trajectory) -> FloatArray
         run: the walk.
     """
     step = gait.step(biped)
-    over_sway = runs_one_way(biped, (gait.falling,))
+    orbit = resample(biped, gait.falling, step.falling, np.linspace(0.0, 1.0, POINTS))
+    x, dx = _sway(biped, orbit.motion.q, orbit.motion.dq * orbit.dbeta[:, None])
+    over_sway = bool((np.diff(x) > 0.0).all())
     if over_sway:
-        orbit = resample(biped, gait.falling, step.falling, np.linspace(0.0, 1.0, POINTS))
-        x, dx = _sway(biped, orbit.motion.q, orbit.motion.dq * orbit.dbeta[:, None])
         middle = 0.5 * float(x[0] + x[-1])
         planned = float(np.sqrt(CubicSpline(x, dx**2)(middle)))
     else:

@@ -171,10 +171,13 @@ class BegunPhase:
 
 
 def runs_one_way(biped: FrontalBiped, phases: Iterable[Phase]) -> bool:
-    """Does the centre of mass move one way along each of some phases, so that they can be followed over the sway?"""
+    """Does the centre of mass move outwards all along rising phases and inwards all along falling ones?
+
+    Only then can they be followed over the sway. A robot whose legs carry most of its mass may sway the other way.
+    """
     for phase in phases:
         motion = phase.motion(np.linspace(phase.beta_start, phase.beta_end, POINTS))
-        if not _one_way(_sways(biped, motion.q)):
+        if not (np.diff(_sways(biped, motion.q)) * phase.range < 0.0).all():
             return False
     return True
 

@@ -10,8 +10,21 @@ For each robot, range and variable: 20 steps in MuJoCo under the walker at 1 kHz
 with everything wrong, half and whole: masses and inertias within 10 %, centres of mass within 1 cm, encoders and
 pelvis' roll 1e-4 rad, torques 2 %, 2 ms of delay, ground within 2 mm; two seeds each.
 
-What it printed (the figure is ``examples/images/phase_variable.png``):
+What it printed, with half and with all of it wrong (with nothing wrong all walk; the sway's speeds are then within 5 %,
+beta's within 6 %):
 
+    robot     range  J      over the sway: steps, J of the walk      over beta
+    g1         0.02  1.00   20, 2.1; 14, 3.2                         13, 3.6; 7.5, 3.2 (speed -87 %)
+               0.03  1.16   12.5, 1.6; 14, 2.3                       13, 1.8; 3, 2.5 (speed +253 %)
+               0.05  1.60   14, 1.4; 5, 2.8                          14, 1.4; 11.5, 1.6
+    talos_full 0.02  1.00   20, 6.6; 20, 10.8                        20, 12.4; 20, 21.4
+               0.05  1.75   20, 4.3; 20, 6.8                         13, 12.3; 20, 13.9
+    romeo      0.02  1.00   20, 1.8; 20, 2.2                         20, 1.7; 20, 2.5
+               0.05  1.63   20, 1.3; 20, 1.7                         20, 1.3; 20, 1.7
+
+J is the gait's over that of the least range, J of the walk over the gait's. Of six runs a cell (one or two seeds each)
+nothing finer can be read than this: the sway at the least range, which costs nothing, is worth what 60 to 75 % of J buy
+over beta. So the default range stays, and the walker's variable has become the sway.
 """
 
 import argparse
@@ -102,26 +115,27 @@ def _line(row: dict[str, object]) -> str:
 
 
 def draw(table: list[dict[str, object]], path: Path) -> None:
-    """Speed errors and steps over the share of everything that is wrong, a column each robot."""
+    """J of the walk and steps over the share of everything that is wrong, a column each robot."""
     import matplotlib
 
     matplotlib.use("Agg")
     from matplotlib import pyplot as plt
 
-    figure, axes = plt.subplots(2, len(ROBOTS), figsize=(3.4 * len(ROBOTS), 5.2), sharex=True, sharey="row")
+    figure, axes = plt.subplots(2, len(ROBOTS), figsize=(3.4 * len(ROBOTS), 5.6), sharex=True, sharey="row")
     colours = dict(zip(RANGES, ("#0072b2", "#e69f00", "#009e73"), strict=True))
     for column, name in enumerate(ROBOTS):
         for row in (row for row in table if row["robot"] == name):
-            style = {"color": colours[row["range"]], "linestyle": "-" if row["variable"] == "sway" else "--"}  # type: ignore[index]
-            label = f"{row['variable']}, range {row['range']} rad, J x {row['J']:.2f}"
-            axes[0, column].plot(SHARES, 100.0 * np.abs(np.asarray(row["speed"])), marker="o", label=label, **style)
-            axes[1, column].plot(SHARES, np.asarray(row["steps"]), marker="o", **style)
+            look = {"color": colours[row["range"]], "linestyle": "-" if row["variable"] == "sway" else "--"}  # type: ignore[index]
+            label = f"over the {row['variable']}, range {row['range']} rad"
+            axes[0, column].semilogy(SHARES, np.asarray(row["cost"]), marker="o", label=label, **look)
+            axes[1, column].plot(SHARES, np.asarray(row["steps"]), marker="o", **look)
         axes[0, column].set_title(name)
-        axes[0, column].legend(fontsize=6.0)
         axes[1, column].set_xlabel("share of everything that is wrong [-]")
-    axes[0, 0].set_ylabel("error of the speed half-way down [%]")
-    axes[1, 0].set_ylabel(f"steps walked, of {STEPS}")
-    figure.tight_layout()
+    axes[0, 0].set_ylabel("J of the walk over the gait's [-]")
+    axes[1, 0].set_ylabel(f"steps walked, of {STEPS} [-]")
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, ncol=3, loc="lower center", fontsize=8.0)
+    figure.tight_layout(rect=(0.0, 0.09, 1.0, 1.0))
     figure.savefig(path, dpi=150)
 
 

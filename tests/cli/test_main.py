@@ -102,7 +102,7 @@ class TestGoodInput:
     @pytest.mark.parametrize("robot", ["frontal_biped", "frontal_biped_low_torso"])
     def test_design_analyze_simulate(self, robot, tmp_path, capsys):
         gait = tmp_path / "deep" / "gait.json"
-        assert main(["design", "--robot", robot, "-o", str(gait), "--json"]) == 0
+        assert main(["design", "--quick", "--robot", robot, "-o", str(gait), "--json"]) == 0
         assert json.loads(capsys.readouterr().out)["success"]
         assert load_gait(gait).robot.name == robot
         assert main(["analyze", str(gait)]) == 0
@@ -113,12 +113,22 @@ class TestGoodInput:
         tables = capsys.readouterr().out
         assert tables.startswith(out.rstrip())
         assert all(f"C0{i}" in tables for i in range(1, 10))
-        assert main(["simulate", str(gait), "--steps", "2", "--json"]) == 0
+        assert main(["simulate", str(gait), "--steps", "2", "--continuous", "--json"]) == 0
         assert json.loads(capsys.readouterr().out)["steps_completed"] == 2
+
+    @pytest.mark.slow
+    def test_a_design_walks_and_the_file_says_so(self, tmp_path, capsys):
+        gait = tmp_path / "gait.json"
+        assert main(["design", "-o", str(gait)]) == 0
+        assert "walks 20 steps" in capsys.readouterr().out
+        assert load_gait(gait).provenance["walk"]["engines"]["ours"]["steps"] == 20
+        assert main(["design", "--quick", "-o", str(gait)]) == 0
+        assert load_gait(gait).provenance["walk"] == "left out (quick)"
+        assert main(["design", "--budget", "-1"]) == 2
 
     def test_robust_gait_walks_in_noise_from_a_wrong_speed(self, tmp_path, capsys):
         gait = tmp_path / "robust.json"
-        assert main(["design", "--spec", "robust", "-o", str(gait)]) == 0
+        assert main(["design", "--quick", "--spec", "robust", "-o", str(gait)]) == 0
         assert load_gait(gait).specification.fri_margin == 0.03
         noise = ["--encoder-noise", "1e-4", "--torque-noise", "0.01", "--seed", "3"]
         walk = ["simulate", str(gait), "--steps", "2", "--speed-error", "0.5", "--stabiliser", "ankle", *noise]
@@ -131,13 +141,13 @@ class TestGoodInput:
 
     def test_bad_stabilisers_and_noise_get_one_line(self, tmp_path, capsys):
         gait = tmp_path / "gait.json"
-        assert main(["design", "--spec", "robust", "-o", str(gait)]) == 0
+        assert main(["design", "--quick", "--spec", "robust", "-o", str(gait)]) == 0
         capsys.readouterr()
         assert main(["simulate", str(gait), "--stabiliser", "magic"]) == 2
         assert "no stabiliser 'magic'; known: fixed, re-anchored, adaptive" in one_line(capsys)
         assert main(["simulate", str(gait), "--continuous", "--encoder-noise", "1e-4"]) == 2
         assert "give a control period" in one_line(capsys)
-        assert main(["design", "--spec", "robst"]) == 2
+        assert main(["design", "--quick", "--spec", "robst"]) == 2
         assert "did you mean 'robust'" in one_line(capsys)
 
     def test_design_without_an_output_writes_beside_the_description(self, tmp_path, capsys, monkeypatch):
@@ -146,9 +156,9 @@ class TestGoodInput:
         monkeypatch.chdir(tmp_path / "here")
         description = robot_copy(tmp_path)
         for name in ("gait.json", "gait-2.json"):
-            assert main(["design", "--robot", str(description)]) == 0
+            assert main(["design", "--quick", "--robot", str(description)]) == 0
             assert f"written to {tmp_path / name}" in capsys.readouterr().out
-        assert main(["design", "--json"]) == 0  # a packaged robot
+        assert main(["design", "--quick", "--json"]) == 0  # a packaged robot
         assert json.loads(capsys.readouterr().out)["output"] == "gait.json"
         assert [path.name for path in Path().iterdir()] == ["gait.json"]
         stored = [json.loads(path.read_text())["robot"]["description"] for path in tmp_path.rglob("gait*.json")]
@@ -158,7 +168,7 @@ class TestGoodInput:
         spec = tmp_path / "spec.toml"
         spec.write_text("max_pelvis_roll = 0.05\nstep_width = [0.2, 0.3]\n")
         gait = tmp_path / "gait.json"
-        assert main(["design", "--spec", str(spec), "-o", str(gait)]) == 0
+        assert main(["design", "--quick", "--spec", str(spec), "-o", str(gait)]) == 0
         told = capsys.readouterr().out.splitlines()
         stored = load_gait(gait)
         assert stored.specification.max_pelvis_roll == 0.05
@@ -174,7 +184,7 @@ class TestGoodInput:
         found = []
         for extra in (["--start", str(gait_file)], ["--attempts", "2"]):
             out = tmp_path / "gait.json"
-            assert main(["design", "--spec", str(specification), "-o", str(out), *extra]) == 0
+            assert main(["design", "--quick", "--spec", str(specification), "-o", str(out), *extra]) == 0
             found.append(load_gait(out).orbit.cost)
         assert found[0] == pytest.approx(found[1], rel=1e-4)
         assert "written to" in capsys.readouterr().out
@@ -276,7 +286,11 @@ BAD_ROBOTS = {
                   ('right_ankle = "right_ankle"', 'right_ankle = "left_ankle"')]},
         "swap the joint names.*HR3",
     ),
-    "continuous joint": ({"urdf": [('type="revolute"', 'type="continuous"')]}, "not an ideal revolute joint.*HR1"),
+    "continuous joint without limits": (
+        {"urdf": [('type="revolute"', 'type="continuous"'),
+                  ('<limit lower="-1.0" upper="1.0" effort="150" velocity="10"/>', "")]},
+        "not an ideal revolute joint.*HR1",
+    ),
     "no actuator": ({"urdf": [('effort="150"', 'effort="0"')]}, "no effort limit.*HR4"),
     "no sole": ({"toml": [("inner = 0.05", "")]}, "inner is missing.*HR5"),
     "unknown key": ({"toml": [("[sole]", "[sole]\nouther = 0.05")]}, "unknown key 'outher'.*'outer'"),
@@ -294,7 +308,7 @@ class TestBadRobots:
         replacements, pattern = BAD_ROBOTS[case]
         description = robot_copy(tmp_path, **replacements)
         output = tmp_path / "out" / "gait.json"
-        assert main(["design", "--robot", str(description), "-o", str(output)]) == 2
+        assert main(["design", "--quick", "--robot", str(description), "-o", str(output)]) == 2
         line = one_line(capsys)
         assert re.search(pattern, line), line
         assert not output.parent.exists()
@@ -309,12 +323,12 @@ class TestBadRobots:
         ],
     )
     def test_unknown_robots(self, robot, pattern, capsys):
-        assert main(["design", "--robot", robot]) == 2
+        assert main(["design", "--quick", "--robot", robot]) == 2
         assert pattern in one_line(capsys)
 
     def test_urdf_without_description(self, tmp_path, capsys):
         shutil.copy(models_dir() / "frontal_biped.urdf", tmp_path / "mine.urdf")
-        assert main(["design", "--robot", str(tmp_path / "mine.urdf")]) == 2
+        assert main(["design", "--quick", "--robot", str(tmp_path / "mine.urdf")]) == 2
         assert "needs a description mine.toml beside it" in one_line(capsys)
 
 
@@ -338,20 +352,20 @@ class TestBadSpecifications:
         text, pattern = BAD_SPECIFICATIONS[case]
         spec, output = tmp_path / "spec.toml", tmp_path / "gait.json"
         spec.write_text(text + "\n")
-        assert main(["design", "--spec", str(spec), "-o", str(output)]) == 2
+        assert main(["design", "--quick", "--spec", str(spec), "-o", str(output)]) == 2
         line = one_line(capsys)
         assert re.search(pattern, line), line
         assert "spec.toml" in line
         assert not output.exists()
 
     def test_missing_file(self, capsys):
-        assert main(["design", "--spec", "absent.toml"]) == 2
+        assert main(["design", "--quick", "--spec", "absent.toml"]) == 2
         assert "absent.toml: no such file" in one_line(capsys)
 
     def test_infeasible_says_what_is_in_the_way(self, tmp_path, capsys):
         spec, output = tmp_path / "spec.toml", tmp_path / "out" / "gait.json"
         spec.write_text("max_pelvis_roll = 0.001\nswing_clearance = 0.05\n")
-        assert main(["design", "--spec", str(spec), "-o", str(output)]) == 1
+        assert main(["design", "--quick", "--spec", str(spec), "-o", str(output)]) == 1
         line = one_line(capsys)
         assert "max_pelvis_roll" in line
         assert "relax" in line
@@ -360,7 +374,7 @@ class TestBadSpecifications:
     def test_unreachable_step_width(self, tmp_path, capsys):
         spec = tmp_path / "spec.toml"
         spec.write_text("step_width = [2.5, 2.6]\n")
-        assert main(["design", "--spec", str(spec)]) in (1, 2)
+        assert main(["design", "--quick", "--spec", str(spec)]) in (1, 2)
         assert "step_width" in one_line(capsys)
 
 

@@ -57,9 +57,9 @@ def test_a_run_without_its_gait_is_viewed(spatial_file, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [
-        (["view", "RUN", "RUN", "--html", "OUT"], "shown alone"),
-        (["view", "RUN", "--ghost", "--html", "OUT"], "--ghost"),
-        (["view", "RUN", "--robot", "g1", "--html", "OUT"], "g1"),
+        (["view", "RUN", "RUN", "--html", "OUT.html"], "shown alone"),
+        (["view", "RUN", "--ghost", "--html", "OUT.html"], "--ghost"),
+        (["view", "RUN", "--robot", "g1", "--html", "OUT.html"], "g1"),
         (["export", "RUN", "-o", "OUT.xyz"], ".npz"),
     ],
 )

@@ -228,7 +228,8 @@ def test_equal_input_gives_equal_bytes(biped, reference_gait, tmp_path):
     code = (
         "import sys, numpy as np; kept = [np.zeros(n) for n in range(1, 300, 7)]\n"
         "import frontal_biped as fb\n"
-        "result = fb.design_gait(fb.load_robot('frontal_biped'), fb.GaitSpecification(), quick=True)\n"
+        "from frontal_biped.design import optimise_gait\n"
+        "result = optimise_gait(fb.load_robot('frontal_biped'), fb.GaitSpecification())\n"
         "fb.save_gait(result.gait, sys.argv[1])\n"
     )
     for threads in ("1", "2"):

@@ -86,6 +86,7 @@ def test_what_governs_the_fall_is_tightened(biped, walks):
     assert "fell after 3 steps" in lines[0]
 
 
+@pytest.mark.slow
 def test_the_budget_is_kept(biped, walks):
     """A level foot costs 2.6 % here: with less to give away the reason is said, and no gait is handed over."""
     answers, _ = walks
@@ -99,6 +100,7 @@ def test_the_budget_is_kept(biped, walks):
         design_gait(biped, budget=-1.0)
 
 
+@pytest.mark.slow
 def test_changes_add_up_where_another_event_ends_the_next_walk(biped, walks, monkeypatch):
     answers, _ = walks
     answers[:] = [fallen(EventKind.EDGE_LANDING.value), fallen(EventKind.EARLY_LANDING.value), GOOD]
@@ -108,6 +110,7 @@ def test_changes_add_up_where_another_event_ends_the_next_walk(biped, walks, mon
     assert (spec.max_foot_rotation, spec.swing_clearance) == tuple(change.new for change in result.tightened)
 
 
+@pytest.mark.slow
 def test_one_stage_after_another_where_the_same_event_goes_on(biped, walks, monkeypatch):
     """A stage that does not help is taken back."""
     answers, seen = walks

@@ -39,7 +39,7 @@ SAME_MULTIPLIER = 1e-3
 SAME_COST = 1e-3  # relative; a redesign may end elsewhere on a flat optimum
 
 
-@pytest.fixture(scope="module", params=HUMANOIDS + BENT)
+@pytest.fixture(scope="module", params=[*HUMANOIDS, *(pytest.param(name, marks=pytest.mark.slow) for name in BENT)])
 def humanoid(request) -> FrontalBiped:
     return load_robot(request.param)
 

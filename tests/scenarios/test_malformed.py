@@ -158,7 +158,7 @@ def test_one_line_and_status_2(case, write, capsys):
         (["{}", "--repeat", "5"], "--repeat 5: nothing in the scenario is random"),
         (["{}", "{}"], "has it too; give it another"),
         (["{}", "--junit", "{}/junit.xml"], "is not a folder"),
-        (["{}", "--save", "{}"], "is not a folder"),
+        (["{}", "--save", "{}"], "ends as a file does; write the folder"),
     ],
 )
 def test_bad_command_lines_too(arguments, complaint, write, capsys):

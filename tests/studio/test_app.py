@@ -74,7 +74,7 @@ def test_missing_viser_names_the_extra(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "viser", None)
     assert main(["studio", "--no-open"]) == 2
     assert capsys.readouterr().err == (
-        "frontal-biped: error: the studio needs viser: pip install 'frontal-biped[viser]'\n"
+        f"frontal-biped: error: the studio needs viser: {sys.executable} -m pip install 'frontal-biped[viser]'\n"
     )
 
 

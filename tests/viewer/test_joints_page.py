@@ -17,7 +17,7 @@ SINGLE = 2e-5
 """Single precision of positions of metres through a chain of ten joints [m]."""
 
 
-@pytest.fixture(scope="module", params=["frontal_biped", "g1"])
+@pytest.fixture(scope="module", params=["frontal_biped", pytest.param("g1", marks=pytest.mark.slow)])
 def robot(request):
     return FreeRobot(load_robot(request.param).robot)
 

@@ -21,7 +21,14 @@ def spiked(orbit):
     return replace(orbit, dq=dq)
 
 
-@pytest.fixture(scope="module", params=[(NARROW, "dark"), (NARROW, "light"), (1280, "dark")], ids=str)
+SIZES = [
+    (NARROW, "dark"),
+    pytest.param((NARROW, "light"), marks=pytest.mark.slow),
+    pytest.param((1280, "dark"), marks=pytest.mark.slow),
+]
+
+
+@pytest.fixture(scope="module", params=SIZES, ids=str)
 def shown(request, browser, biped, spiked, tmp_path_factory):
     width, scheme = request.param
     path = tmp_path_factory.mktemp("page") / "page.html"

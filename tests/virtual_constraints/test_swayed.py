@@ -8,7 +8,7 @@ from whole_robots import whole
 
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.virtual_constraints.phase import StepPhase
-from frontal_biped.virtual_constraints.swayed import BEYOND, LEAST_RANGE, SwayedPhase, sways
+from frontal_biped.virtual_constraints.swayed import BEYOND, LEAST_RANGE, SwayedPhase, runs_one_way, sways
 
 SPLINE = 1e-4
 """What cubics between 81 points leave of a pose [rad], and of the FRI target [m]."""
@@ -109,3 +109,14 @@ def test_a_centre_of_mass_that_turns_back_is_refused():
     q = robot.gait.rising.motion(np.linspace(robot.gait.rising.beta_start, robot.gait.rising.beta_end, 5)).q
     with pytest.raises(SimulationError, match="turns back along a phase"):
         sways(robot.biped, np.vstack([q, q[:2]]))
+
+
+def test_a_robot_of_heavy_legs_sways_the_other_way(biped, low_torso, reference_gait):
+    """The low torso's centre of mass moves inwards while it rises: one way, but not one to be followed over."""
+    low = low_torso
+    phases = (reference_gait.rising, reference_gait.falling)
+    assert runs_one_way(biped, phases)
+    q = reference_gait.rising.motion(np.linspace(reference_gait.rising.beta_start, reference_gait.beta_reversal, 9)).q
+    inwards = np.diff([low.com(row)[0] for row in q])
+    assert (inwards > 0.0).any()
+    assert not runs_one_way(low, phases)

@@ -40,7 +40,13 @@ BROKEN_URDF = {
         "left_ankle",
     ),
     "prismatic": ("HR1", in_joint("left_hip", 'type="revolute"', 'type="prismatic"'), "left_hip"),
-    "continuous": ("HR1", in_joint("left_hip", 'type="revolute"', 'type="continuous"'), "left_hip"),
+    "continuous, without limits": (
+        "HR1",
+        lambda text: in_joint("left_hip", HIP_LIMIT, "")(
+            in_joint("left_hip", 'type="revolute"', 'type="continuous"')(text)
+        ),
+        "left_hip",
+    ),
     "massless legs": ("HR1", everywhere('<mass value="12.15"/>', '<mass value="0"/>'), "left_hip"),
     "massless feet": ("HR1", everywhere(FOOT_INERTIAL, '<mass value="0"/>'), "left_ankle"),
     "massless pelvis": ("HR1", everywhere('<mass value="36.0"/>', '<mass value="0"/>'), "pelvis"),

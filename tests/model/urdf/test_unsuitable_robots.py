@@ -44,10 +44,16 @@ def cycle() -> str:
     return edited("</robot>", loop + "</robot>")
 
 
+HIP_LIMIT = '<limit lower="-1.0" upper="1.0" effort="150" velocity="10"/>'
+
 # what is wrong: (text of the URDF, what the message says, its remedy)
 BAD_URDF = {
     "fixed joint": (edited(LEFT_HIP, '<joint name="left_hip" type="fixed"'), "'left_hip' is fixed", "revolute"),
-    "continuous joint": (edited(LEFT_HIP, '<joint name="left_hip" type="continuous"'), "left_hip", "revolute"),
+    "continuous joint without limits": (
+        edited(LEFT_HIP, '<joint name="left_hip" type="continuous"').replace(HIP_LIMIT, "", 1),
+        "left_hip",
+        "revolute",
+    ),
     "planar joint": (edited(LEFT_HIP, '<joint name="left_hip" type="planar"'), "left_hip", "revolute"),
     "floating joint": (edited(LEFT_HIP, '<joint name="left_hip" type="floating"'), "left_hip", "revolute"),
     "prismatic joint": (edited(LEFT_HIP, '<joint name="left_hip" type="prismatic"'), "left_hip", "revolute"),
