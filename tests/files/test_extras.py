@@ -10,7 +10,7 @@ import frontal_biped
 from frontal_biped.files.extras import missing_extra, pip_install
 
 PACKAGE = Path(frontal_biped.__file__).parent
-PROJECT = tomllib.loads((PACKAGE.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+PROJECT = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 
 def test_command_is_one_that_a_shell_takes_apart_as_meant():
