@@ -178,6 +178,7 @@ class TestGoodInput:
         assert told[-2:] == analyzed[-2:]  # the same words for what the gait needs
         assert [line.split()[0] for line in told[-2:]] == ["tightest", "motors"]
 
+    @pytest.mark.slow
     def test_design_from_a_gait_and_from_several_starts(self, gait_file, tmp_path, capsys):
         specification = tmp_path / "spec.toml"
         specification.write_text("max_pelvis_roll = 0.09\n")
@@ -362,6 +363,7 @@ class TestBadSpecifications:
         assert main(["design", "--quick", "--spec", "absent.toml"]) == 2
         assert "absent.toml: no such file" in one_line(capsys)
 
+    @pytest.mark.slow
     def test_infeasible_says_what_is_in_the_way(self, tmp_path, capsys):
         spec, output = tmp_path / "spec.toml", tmp_path / "out" / "gait.json"
         spec.write_text("max_pelvis_roll = 0.001\nswing_clearance = 0.05\n")
