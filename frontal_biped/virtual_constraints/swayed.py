@@ -33,7 +33,8 @@ POINTS = 81
 """Points of a phase between which its path is interpolated by cubics."""
 
 LEAST_RANGE = 0.015
-"""Shortest way that a phase is given [m]; one that begins nearer to its end than that ends later."""
+"""Shortest way that a phase is given [m], unless it is planned shorter; one that begins nearer to its end than that
+ends later."""
 
 SLOPE_SHARE = 0.2
 """c: share of a phase in which an error of the slope is faded out [-]."""
@@ -131,7 +132,8 @@ class BegunPhase:
         self._planned = planned
         sense = 1.0 if planned.end > planned.start else -1.0
         self._start = s
-        self._length = sense * max(sense * (planned.end - s), LEAST_RANGE)
+        least = min(LEAST_RANGE, abs(planned.end - planned.start))
+        self._length = sense * max(sense * (planned.end - s), least)
         # begun on its way, it is what is left of the plan
         self._from = s if 0.0 < sense * (s - planned.start) < sense * (planned.end - planned.start) else planned.start
         self._stretch = (planned.end - self._from) / self._length

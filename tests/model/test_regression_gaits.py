@@ -38,6 +38,10 @@ SAME_MULTIPLIER = 1e-3
 
 SAME_COST = 1e-3  # relative; a redesign may end elsewhere on a flat optimum
 
+CHEAPER = 0.02
+"""Relative; stored gaits were made when bounds that were missed between the optimiser's nodes were moved inwards. Finer
+nodes leave up to 1.4 % less (simple_humanoid_bent)."""
+
 
 @pytest.fixture(scope="module", params=[*HUMANOIDS, *(pytest.param(name, marks=pytest.mark.slow) for name in BENT)])
 def humanoid(request) -> FrontalBiped:
@@ -118,7 +122,8 @@ def test_its_multiplier_is_that_of_the_full_model(humanoid, gait):
 def test_a_new_design_costs_the_same(humanoid, gait):
     result = optimise_gait(humanoid)
     assert result.success, result.message
-    assert result.gait.orbit.cost == pytest.approx(gait.orbit.cost, rel=SAME_COST)
+    ratio = result.gait.orbit.cost / gait.orbit.cost
+    assert 1.0 - CHEAPER < ratio < 1.0 + SAME_COST
 
 
 def unlimited(name: str) -> FrontalBiped:
