@@ -57,22 +57,6 @@ class Shape(NamedTuple):
     flat: bool
 
 
-class Drawing(NamedTuple):
-    """A robot and its surroundings.
-
-    Attributes:
-        shapes: all of them.
-        camera: position and target [m].
-        depth: how far the robot reaches towards the camera [m].
-        standing: the robot upright, shown until there is a gait.
-    """
-
-    shapes: tuple[Shape, ...]
-    camera: Mapping[str, Any]
-    depth: float
-    standing: "Clip"
-
-
 class Track(NamedTuple):
     """How one node moves; what does not change over time is None.
 
@@ -102,6 +86,22 @@ class Clip:
     tracks: Mapping[str, Track]
     frames: int
     phase: tuple[str, ...]
+
+
+class Drawing(NamedTuple):
+    """A robot and its surroundings.
+
+    Attributes:
+        shapes: all of them.
+        camera: position and target [m].
+        depth: how far the robot reaches towards the camera [m].
+        standing: the robot upright, shown until there is a gait.
+    """
+
+    shapes: tuple[Shape, ...]
+    camera: Mapping[str, Any]
+    depth: float
+    standing: Clip
 
 
 def drawing_of(biped: FrontalBiped) -> Drawing:
