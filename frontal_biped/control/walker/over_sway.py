@@ -8,7 +8,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.control.controller import Command, QpController
 from frontal_biped.control.frontal_law import FrontalLaw
 from frontal_biped.control.interface import PhaseEvent
-from frontal_biped.control.torques.linearisation import F_V, N_0, StanceModel, Targets
+from frontal_biped.control.torques.linearisation import F_V, N_0, StanceDynamics, StanceModel, Targets
 from frontal_biped.model.biped import BASE, FrontalBiped
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
@@ -29,6 +29,7 @@ class OverSway:
         self._biped, self._controller, self.law = biped, controller, law
         self._stance_model = StanceModel(biped)
         self._last: Targets | None = None
+        self._seen: tuple[State, StanceDynamics, Sway] | None = None
 
     def reset(self, stance: Stance) -> None:
         """Start right after an impact."""
@@ -38,11 +39,11 @@ class OverSway:
     def land(self, stance: Stance, state: State) -> None:
         """A foot has landed, with a state after the impact."""
         self._last = None
-        self.law.land(stance, self._sway(state), state)
+        self.law.land(stance, self._at(state)[1], state)
 
     def outwards(self, state: State) -> float:
         """Rate of the phase variable, positive where the robot sways outwards [m/s]."""
-        return -self._sway(state).rate
+        return -self._at(state)[1].rate
 
     def command(self, phase: StepPhase, event: PhaseEvent | None, state: State, unexplained: FloatArray) -> Command:
         """Torques at a state.
@@ -53,8 +54,7 @@ class OverSway:
             state: that the command is for.
             unexplained: (4,) acceleration that the model does not explain [rad/s^2].
         """
-        dynamics = self._stance_model.at(state)
-        sway = dynamics.sway(float(self._biped.com(state.q)[0]), self._biped.mass)
+        dynamics, sway = self._at(state)
         error = 0.0
         if self._last is not None:
             # what the ankle's moment does not explain, along the virtual constraints: I_P x'' = moment
@@ -64,5 +64,9 @@ class OverSway:
         self._last = wanted.targets._replace(sway=sway)
         return self._controller.follow(phase, state, self._last, wanted.y, wanted.dy)
 
-    def _sway(self, state: State) -> Sway:
-        return self._stance_model.at(state).sway(float(self._biped.com(state.q)[0]), self._biped.mass)
+    def _at(self, state: State) -> tuple[StanceDynamics, Sway]:
+        """Dynamics and sway; a tick asks twice for the same state."""
+        if self._seen is None or self._seen[0] is not state:
+            dynamics = self._stance_model.at(state)
+            self._seen = state, dynamics, dynamics.sway(float(self._biped.com(state.q)[0]), self._biped.mass)
+        return self._seen[1:]

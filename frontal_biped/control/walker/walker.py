@@ -5,7 +5,7 @@ predict the state at the time when the torques will act, decide there whether th
 program for the torques, with the FRI target moved so that the energy of the orbit is kept.
 
 The virtual constraints are followed over the sway (`OverSway`), or over beta with phases that a stabiliser chooses
-(`OverAnkle`): where one is named, and for gaits whose centre of mass turns back along a phase.
+(`OverAnkle`): where one is named, and for gaits whose centre of mass does not move outwards all along the rising phase.
 """
 
 from collections import deque
@@ -59,8 +59,8 @@ class Walker:
         estimator: what to trust of the readings.
         energy: how the energy of the orbit is kept; None: it is left to the stabiliser.
         settle: time after a landing when the virtual constraints begin anew [s]; 0: never.
-        over: the phase variable, "sway" or "ankle"; default: the sway, unless a stabiliser is given or the centre of
-            mass turns back along a phase of the gait.
+        over: the phase variable, "sway" or "ankle"; default: the sway, unless a stabiliser is given or the gait
+            cannot be followed over it (`runs_one_way`).
 
     Attributes:
         over: the phase variable.
@@ -174,10 +174,14 @@ def _phase_variable(
     if over is not None and over not in PHASE_VARIABLES:
         raise SimulationError(f"no phase variable {over!r}; known: {', '.join(PHASE_VARIABLES)}")
     plain = stabiliser is None and outputs == "linearising"
-    if over is None:
-        return "sway" if plain and runs_one_way(biped, (gait.rising, gait.falling)) else "ankle"
+    sways = plain and over != "ankle" and runs_one_way(biped, (gait.rising, gait.falling))
     if over == "sway" and not plain:
         raise SimulationError(
             "stabilisers and control Lyapunov functions act over the ankle's angle; leave them, or write over = 'ankle'"
         )
-    return over
+    if over == "sway" and not sways:
+        raise SimulationError(
+            f"{biped.name}: the centre of mass does not move outwards all along the rising phase of this gait, and back"
+            " along the falling one; write over = 'ankle'"
+        )
+    return "sway" if sways else "ankle"

@@ -7,6 +7,7 @@ from frontal_biped.analysis.return_map import RestrictedMap
 from frontal_biped.control.interface import Reading
 from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
 from frontal_biped.control.walker.walker import Walker
+from frontal_biped.exceptions import SimulationError
 from frontal_biped.model.chain import UPRIGHT
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.virtual_constraints import StepPhase
@@ -115,3 +116,17 @@ def test_early_reversals_ask_less_of_a_robot_than_rejoining_its_path(biped, refe
         least[rejoin] = step.step(step.start(speed)).tightest.value
     assert Walker(biped, reference_gait).controller.stabiliser.rejoin is False
     assert least[True] < 0.0 < least[False]
+
+
+def test_what_cannot_be_followed_over_the_sway_is_refused(low_torso, biped, reference_gait):
+    """The low torso sways inwards while it rises; a stabiliser chooses phases over the ankle."""
+    assert Walker(biped, reference_gait).over == "sway"
+    assert Walker(biped, reference_gait, stabiliser="fixed").over == "ankle"
+    assert Walker(low_torso, reference_gait).over == "ankle"
+    for robot, options, word in (
+        (low_torso, {"over": "sway"}, "outwards"),
+        (biped, {"over": "sway", "stabiliser": "fixed"}, "stabilisers"),
+        (biped, {"over": "knee"}, "knee"),
+    ):
+        with pytest.raises(SimulationError, match=word):
+            Walker(robot, reference_gait, **options)
