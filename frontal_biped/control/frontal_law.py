@@ -66,13 +66,11 @@ class FrontalTargets(NamedTuple):
         targets: of the paper's outputs and the FRI.
         y: (3,) output error [rad].
         dy: (3,) its rate [rad/s].
-        over: what the outputs' derivatives are taken with respect to; None: beta.
     """
 
     targets: Targets
     y: FloatArray
     dy: FloatArray
-    over: Sway | None
 
 
 class FrontalLaw:
@@ -179,7 +177,7 @@ class FrontalLaw:
         ddy = -self._kp * y - self._kd * dy
         outer, inner = self._sole
         p_fri = min(max(asked.p_fri + shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
-        return FrontalTargets(Targets(asked.h_d1, asked.h_d2 * sway.rate**2, ddy, p_fri), y, dy, sway)
+        return FrontalTargets(Targets(asked.h_d1, asked.h_d2 * sway.rate**2, ddy, p_fri, sway=sway), y, dy)
 
     def _begin(self, phase: StepPhase, sway: Sway, pose: FloatArray, rates: FloatArray) -> None:
         slope = rates / sway.rate if abs(sway.rate) > SLOWEST else None

@@ -60,7 +60,7 @@ def test_on_the_orbit_it_asks_for_the_orbit(robot):
             frontal, sway = seen(robot, q, dq)
             wanted = law.at(phase, frontal, sway, event, 0.0)
             event = None
-            assert wanted.over is sway
+            assert wanted.targets.sway is sway
             assert np.abs(wanted.y).max() < POSE
             low, high = (SHIFT_ROOM * end for end in robot.biped.sole)
             assert wanted.targets.p_fri == pytest.approx(min(max(p_fri, low), high), abs=3e-3)

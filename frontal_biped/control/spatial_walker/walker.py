@@ -176,9 +176,7 @@ class SpatialWalker:
         targets = wanted.targets._replace(ddy=soft * wanted.targets.ddy)
         lengths = self.lengths
         lengths.advance(left, self.period)
-        asked = WholeBodyTargets(
-            stance, targets, cop, swing, self._posture, soft, wanted.over, lengths.stance, lengths.swing
-        )
+        asked = WholeBodyTargets(stance, targets, cop, swing, self._posture, soft, lengths.stance, lengths.swing)
         solution = self.program.solve(state, asked)
         self._expected = sway.rate + self.period * float(sway.J @ solution.dv + sway.drift)
         if not self._sent:  # nothing else was on its way

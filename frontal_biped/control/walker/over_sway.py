@@ -61,8 +61,8 @@ class OverSway:
             c, m = self._last.line()[1], dynamics.M[N_0, BASE:] - self._last.p_fri * dynamics.M[F_V, BASE:]
             error = (dynamics.M[BASE, BASE:].dot(unexplained) / m.dot(c)).item()
         wanted = self.law.at(phase, state, sway, event, error)
-        self._last = wanted.targets._replace(sway=sway)
-        return self._controller.follow(phase, state, self._last, wanted.y, wanted.dy)
+        self._last = wanted.targets
+        return self._controller.follow(phase, state, wanted.targets, wanted.y, wanted.dy)
 
     def _at(self, state: State) -> tuple[StanceDynamics, Sway]:
         """Dynamics and sway; a tick asks twice for the same state."""

@@ -8,7 +8,6 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.torques.linearisation import Targets
 from frontal_biped.model.stance_map import Stance
-from frontal_biped.model.sway import Sway
 
 
 class LegLength(NamedTuple):
@@ -39,7 +38,6 @@ class WholeBodyTargets:
         swing_acceleration: of the swing sole forwards, feedback included [m/s^2].
         joints: (n,) where every joint that is not in a leg is to be [rad].
         softness: 1 as the settings say; below, all feedback is reduced by this factor, as after a landing [-].
-        sway: what the outputs' derivatives are taken with respect to; None: beta, as in the paper.
         stance_length: of the stance leg.
         swing_length: of the swing leg.
     """
@@ -50,7 +48,6 @@ class WholeBodyTargets:
     swing_acceleration: float
     joints: FloatArray
     softness: float = 1.0
-    sway: Sway | None = None
     stance_length: LegLength = KEPT
     swing_length: LegLength = KEPT
 

@@ -113,7 +113,7 @@ class TaskRows:
 
         A, b = A[NATURE:], b[NATURE:]
         frontal, wanted = state.frontal(stance), targets.frontal
-        sway = targets.sway
+        sway = wanted.sway
         J, drift = (frontal.J[0], frontal.drift[0]) if sway is None else (sway.J, sway.drift)
         A[OUTPUTS, :nv] = frontal.J[1:] - wanted.h_d1[:, None] * J
         b[OUTPUTS] = wanted.ddy + wanted.h_d2_dbeta2 - frontal.drift[1:] + wanted.h_d1 * drift
