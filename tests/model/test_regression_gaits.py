@@ -22,6 +22,9 @@ HUMANOIDS = ("alexander", "g1", "human", "icub", "romeo", "simple_humanoid_class
 BENT = ("g1_bent", "icub_bent", "romeo_bent", "simple_humanoid_bent")
 """Humanoids that bend their knees, to walk in space; the plane sees that they are shorter, and their rotors."""
 
+QUICK = ("g1", "icub", "talos_full")
+"""Of them those that the fast suite takes; a certificate takes seconds."""
+
 COST_BOUNDS = {"romeo": 206.0, "g1": 270.0, "icub": 80.0}
 """J [N^2 m s] that an independent optimiser reached without joint limits, for step durations of 0.3 to 0.8 s, step
 widths of 0.8 to 1.8 hip widths, 8 mm of clearance and 10 degrees of pelvis roll."""
@@ -38,12 +41,15 @@ SAME_MULTIPLIER = 1e-3
 
 SAME_COST = 1e-3  # relative; a redesign may end elsewhere on a flat optimum
 
-CHEAPER = 0.02
-"""Relative; stored gaits were made when bounds that were missed between the optimiser's nodes were moved inwards. Finer
-nodes leave up to 1.4 % less (simple_humanoid_bent)."""
+CHEAPER = {"alexander": 1.2e-3, "g1_bent": 1.3e-3, "human": 2.4e-3, "simple_humanoid_bent": 1.5e-2}
+"""Relative, by how much at most a redesign costs less: these gaits were stored when bounds that were missed between the
+optimiser's nodes were moved inwards, which finer nodes now spare."""
 
 
-@pytest.fixture(scope="module", params=[*HUMANOIDS, *(pytest.param(name, marks=pytest.mark.slow) for name in BENT)])
+@pytest.fixture(
+    scope="module",
+    params=[name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in HUMANOIDS + BENT],
+)
 def humanoid(request) -> FrontalBiped:
     return load_robot(request.param)
 
@@ -123,7 +129,7 @@ def test_a_new_design_costs_the_same(humanoid, gait):
     result = optimise_gait(humanoid)
     assert result.success, result.message
     ratio = result.gait.orbit.cost / gait.orbit.cost
-    assert 1.0 - CHEAPER < ratio < 1.0 + SAME_COST
+    assert 1.0 - CHEAPER.get(humanoid.name, SAME_COST) < ratio < 1.0 + SAME_COST
 
 
 def unlimited(name: str) -> FrontalBiped:
