@@ -207,7 +207,9 @@ def spoil_toml(content: bytes, rng: random.Random, free: tuple[str, ...] = ()) -
     """A TOML file spoilt as bytes, as lines or as a table."""
     chance = rng.random()
     if chance < 0.2:
-        return spoil_bytes(content, rng)
+        spoilt = spoil_bytes(content, rng)
+        # an empty specification says what suits the robot
+        return spoilt._replace(rubbish=spoilt.rubbish and spoilt.what != "empty")
     if chance < 0.35:
         return _spoil_toml_lines(content.decode(), rng)
     table, what, rubbish = tomllib.loads(content.decode()), "", False
