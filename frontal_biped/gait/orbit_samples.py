@@ -6,6 +6,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.exceptions import ReversalError
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.phase import Phase, StepPhase
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit, resample
@@ -47,9 +48,12 @@ def phase_samples(biped: FrontalBiped, phase: Phase, orbit: PhaseOrbit, tau: Flo
         phase: its virtual constraints.
         orbit: through its reversal.
         tau: (n,) increasing from 0, the reversal, to 1, the impact.
+
+    Raises:
+        ReversalError: the zero dynamics does not go through the phase.
     """
     points = resample(biped, phase, orbit, tau)
-    from_reversal = CubicSpline(points.tau, points.time_density).antiderivative()(points.tau)
+    from_reversal = _density(points).antiderivative()(points.tau)
     rising = points.kind is StepPhase.RISING
     t = (from_reversal[-1] - from_reversal) if rising else from_reversal
     order = slice(None, None, -1) if rising else slice(None)
@@ -66,13 +70,16 @@ class TimedPhase:
 
     Attributes:
         duration: of the phase [s].
+
+    Raises:
+        ReversalError: the zero dynamics does not go through the phase.
     """
 
     def __init__(self, biped: FrontalBiped, phase: Phase, orbit: PhaseOrbit) -> None:
         self._parts = biped, phase, orbit
         self._rising = orbit.kind is StepPhase.RISING
         self._tau = np.linspace(0.0, 1.0, TIME_POINTS)
-        self._density = CubicSpline(self._tau, resample(*self._parts, self._tau).time_density)
+        self._density = _density(resample(*self._parts, self._tau))
         self._time = self._density.antiderivative()
         self.duration = float(self._time(1.0))
 
@@ -84,6 +91,16 @@ class TimedPhase:
             tau = np.clip(tau - (self._time(tau) - wanted) / self._density(tau), 0.0, 1.0)
         points = resample(*self._parts, np.append(tau, (0.0, 1.0)))  # two points at least
         return OrbitSamples(*(values[:-2] for values in _samples(points, np.append(t, (0.0, 0.0)))))
+
+
+def _density(points: PhaseOrbit) -> CubicSpline:
+    """Time spent per tau [s]."""
+    if not np.all(np.isfinite(points.time_density)):
+        raise ReversalError(
+            f"the gait has no periodic orbit, the robot stops in its {points.kind.value} phase; `frontal-biped analyze`"
+            " says more, design it again"
+        )
+    return CubicSpline(points.tau, points.time_density)
 
 
 def _samples(points: PhaseOrbit, t: FloatArray) -> OrbitSamples:
