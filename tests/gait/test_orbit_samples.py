@@ -8,7 +8,6 @@ import pytest
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.simulation.orbit import orbit_trajectory
 
-
 TOLD = 1e-6
 """A microsecond: finer than any page, table or figure tells a time [s]."""
 
