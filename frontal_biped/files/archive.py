@@ -15,6 +15,9 @@ from frontal_biped.files.kinds import WORDS, archive_format, named_kind
 from frontal_biped.files.npz import open_npz
 
 
+_MOST_SHOWN = 300  # characters of the reason in a complaint
+
+
 class ArchiveKind(NamedTuple):
     """What an archive says it is.
 
@@ -76,6 +79,8 @@ def read_archive(
     except FileNotFoundError:
         raise TrajectoryFileError(f"{path}: no such run file; {kind.remedy}") from None
     except (OSError, ValueError) as error:
-        why = error.strerror if isinstance(error, OSError) and error.strerror else error
+        why = str(error.strerror if isinstance(error, OSError) and error.strerror else error)
+        if len(why) > _MOST_SHOWN or not why.isprintable():  # zipfile quotes what stands in the file
+            why = repr(why[:_MOST_SHOWN])
         raise TrajectoryFileError(f"{path}: not a readable run file ({why}); {kind.remedy}") from None
     return found | numbers

@@ -30,7 +30,7 @@ MOST_PIECE = 1 << 20
 _MOST_HEAD = 4096  # bytes before the numbers of an entry; NumPy writes 128
 _MAGIC = b"\x93NUMPY"
 _SHAPE = r"\((?:(?:\d{1,15}, *)+(?:\d{1,15})?)?\)"
-_PART = rf"(?:'descr': *'[^'\\]{{1,16}}'|'fortran_order': *(?:True|False)|'shape': *{_SHAPE})"
+_PART = rf"(?:'descr': *'[ -&(-\[\]-~]{{1,16}}'|'fortran_order': *(?:True|False)|'shape': *{_SHAPE})"
 _HEAD = re.compile(rf"\{{{_PART}, *{_PART}, *{_PART},? *\}}\s*")
 _NUMBERS = re.compile("[<>|=]?(f[248]|[iu][1248]|b1)")
 _TEXT = re.compile(r"[<>]U\d{1,9}")
