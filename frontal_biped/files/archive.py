@@ -14,7 +14,6 @@ from frontal_biped.files.header_schema import Entry, require_entries
 from frontal_biped.files.kinds import WORDS, archive_format, named_kind
 from frontal_biped.files.npz import open_npz
 
-
 _MOST_SHOWN = 300  # characters of the reason in a complaint
 
 
