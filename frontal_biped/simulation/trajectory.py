@@ -179,6 +179,9 @@ LATEST = 1e10
 LONGEST = 30_000.0
 """Of a run [s]: 3000 steps, each of whose two phases lasts as long as the simulator lets it."""
 
+SHORTEST = 1e-30
+"""Time between two samples [s] that are not at one time: what is divided by it stays finite."""
+
 EVENT_SLACK = 5.0
 """How far events may lie outside of the samples [s]: as long as a phase lasts at most."""
 
@@ -199,6 +202,8 @@ def require_walk(content: Mapping[str, Any]) -> None:
     t, events, last = content["t"], content["event_t"], int(content["step"][-1])
     if not t[-1] - t[0] <= LONGEST:
         raise ValueError(f"t lasts {t[-1] - t[0]:g} s, a run at most {LONGEST:g}")
+    if ((steps := np.diff(t)) > 0.0).any() and (shortest := steps[steps > 0.0].min()) < SHORTEST:
+        raise ValueError(f"t has samples {shortest:g} s apart, less than {SHORTEST:g}")
     for time in events[[0, -1]] if len(events) else ():
         if not t[0] - EVENT_SLACK <= time <= t[-1] + EVENT_SLACK:
             raise ValueError(f"event_t = {time:g} lies outside of the run, {t[0]:g} to {t[-1]:g} s")
