@@ -3,7 +3,7 @@
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from frontal_biped.cli.arguments import (
     add_robot,
@@ -24,7 +24,13 @@ if TYPE_CHECKING:
 
     import numpy as np
 
+    from frontal_biped.model.robot import Robot
     from frontal_biped.model.space.whole_motion import WholeMotion
+    from frontal_biped.simulation.csv_table import Column
+    from frontal_biped.simulation.space.run import SpatialRun
+    from frontal_biped.simulation.trajectory import Trajectory
+
+_Run = TypeVar("_Run", "Trajectory", "SpatialRun")
 
 SUMMARY = (
     "The whole robot of a run, or of a gait's periodic orbit: every joint, the base, contact and torques as CSV; as NPZ"
@@ -43,8 +49,14 @@ ORBIT_SAMPLES = 121
 DENSE_SAMPLES = 1921
 """Of a phase of it, where a rate is asked for: what lies between them is then on the orbit to 1e-8 rad."""
 
-MOST_SAMPLES = 2_000_000
-"""Of a file: more is a slip of the pen in --rate."""
+MOST_NUMBERS = 30_000_000
+"""Of a file with a --rate: ten minutes of four joints, or three of thirty, at 1 kHz; more is a slip of the pen."""
+
+MOST_FPS = 50.0
+"""Pictures a second that browsers show of a GIF, which counts in hundredths of a second."""
+
+MOST_PICTURES = 5000
+"""Of a GIF; each takes a tenth of a second or more to draw, and all of them are held until it is written."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -86,15 +98,32 @@ def run(arguments: argparse.Namespace) -> int:
         raise FrontalBipedError(
             f"--time {arguments.time:g}: the run takes {source.duration:.3f} s; choose a time within it"
         )
-    if arguments.rate is not None and arguments.rate * source.duration > MOST_SAMPLES:
-        raise FrontalBipedError(
-            f"--rate {arguments.rate:g}: {arguments.rate * source.duration:.2g} samples of {source.duration:.3f} s;"
-            f" choose at most {MOST_SAMPLES / source.duration:.0f}"
-        )
+    _require_number("--rate", arguments.rate, "samples", source.duration, MOST_NUMBERS // source.width)
+    if target.suffix.lower() == ".gif":
+        if source.duration <= 0.0:
+            raise FrontalBipedError(f"{arguments.source}: does not move, it has one instant; write a .png")
+        if arguments.fps > MOST_FPS:
+            raise FrontalBipedError(f"--fps {arguments.fps:g}: a GIF shows at most {MOST_FPS:g}; choose one up to this")
+        _require_number("--fps", arguments.fps, "pictures", source.duration, MOST_PICTURES)
     with Progress(f"writing {target.name}"):
         _write(arguments, target, source)
     sys.stdout.write(f"{target}: {target.stat().st_size / 1e6:.2f} MB\n")
     return SUCCESS
+
+
+def _require_number(option: str, rate: float | None, what: str, duration: float, most: int) -> None:
+    """Refuse a rate [1/s] that gives a run of some duration [s] too many of something, or only one."""
+    if rate is None or duration <= 0.0:  # of a run of one sample any rate is right
+        return
+    if rate * duration > most:
+        raise FrontalBipedError(
+            f"{option} {rate:g}: {rate * duration:.2g} {what} of {duration:.3f} s; choose at most"
+            f" {0.999 * most / duration:.3g}"
+        )
+    if rate * duration < 1.0:
+        raise FrontalBipedError(
+            f"{option} {rate:g}: a single one of the {what} of {duration:.3g} s; choose at least {1.001 / duration:.3g}"
+        )
 
 
 class _Exported(NamedTuple):
@@ -102,14 +131,16 @@ class _Exported(NamedTuple):
 
     Attributes:
         duration: of the run [s].
-        csv: its table as text.
+        width: numbers of a sample, about.
+        csv: the columns of its table.
         arrays: of an archive.
         motion: of the whole robot.
         page: its page, with or without plots, in a theme.
     """
 
     duration: float
-    csv: "Callable[[], str]"
+    width: int
+    csv: "Callable[[], Mapping[str, Column]]"
     arrays: "Callable[[], Mapping[str, np.ndarray[Any, Any]]]"
     motion: "Callable[[], WholeMotion]"
     page: "Callable[[bool, str], str]"
@@ -117,7 +148,7 @@ class _Exported(NamedTuple):
 
 def _planar(arguments: argparse.Namespace) -> _Exported:
     from frontal_biped.cli.sources import load_source
-    from frontal_biped.simulation.csv_table import run_table, table_csv
+    from frontal_biped.simulation.csv_table import run_columns
     from frontal_biped.simulation.orbit import orbit_trajectory
     from frontal_biped.simulation.whole_arrays import planar_arrays
     from frontal_biped.simulation.whole_robot import whole_motion
@@ -131,10 +162,11 @@ def _planar(arguments: argparse.Namespace) -> _Exported:
         lambda biped, gait: orbit_trajectory(biped, gait, steps or ORBIT_STEPS, samples),
     )
     if steps is not None:
-        run = run.first_steps(steps)
+        run = _first_steps(arguments, run, run.first_steps(steps))
     return _Exported(
         duration=float(run.t[-1] - run.t[0]),
-        csv=lambda: table_csv(*run_table(biped, run, arguments.coordinates, arguments.rate)),
+        width=_width(biped.robot),
+        csv=lambda: run_columns(biped, run, arguments.coordinates, arguments.rate),
         arrays=lambda: planar_arrays(biped, run, arguments.rate),
         motion=lambda: whole_motion(biped, run, arguments.rate),
         page=lambda plots, theme: animation_page(biped, run, title=biped.name, plots=plots, theme=theme),
@@ -143,34 +175,50 @@ def _planar(arguments: argparse.Namespace) -> _Exported:
 
 def _spatial(arguments: argparse.Namespace) -> _Exported:
     from frontal_biped.cli.sources import load_spatial_source
-    from frontal_biped.simulation.csv_table import table_csv
-    from frontal_biped.simulation.space.table import spatial_table
+    from frontal_biped.simulation.space.table import spatial_columns
     from frontal_biped.simulation.whole_arrays import spatial_arrays
     from frontal_biped.simulation.whole_robot import whole_motion
     from frontal_biped.viewer.space_page import space_page
 
     robot, _, run, orbit = load_spatial_source(arguments.source, arguments.robot)
     if arguments.steps is not None:
-        run = run.first_steps(arguments.steps)
+        run = _first_steps(arguments, run, run.first_steps(arguments.steps))
     return _Exported(
         duration=float(run.t[-1] - run.t[0]),
-        csv=lambda: table_csv(*spatial_table(robot, run, arguments.coordinates, arguments.rate)),
+        width=_width(robot.robot),
+        csv=lambda: spatial_columns(robot, run, arguments.coordinates, arguments.rate),
         arrays=lambda: spatial_arrays(robot, run, arguments.rate),
         motion=lambda: whole_motion(robot, run, arguments.rate),
         page=lambda plots, theme: space_page(robot, run, orbit, plots=plots, theme=theme),
     )
 
 
+def _first_steps(arguments: argparse.Namespace, run: "_Run", part: "_Run") -> "_Run":
+    """A part of a run, of which there must be something."""
+    if not len(part.t):
+        raise FrontalBipedError(
+            f"{arguments.source}: begins with step {run.step[0] + 1:g}; choose --steps {run.step[0] + 1:g} or more"
+        )
+    return part
+
+
+def _width(robot: "Robot") -> int:
+    return 40 + robot.model.nq + 2 * robot.model.nv
+
+
 def _write(arguments: argparse.Namespace, target: Path, source: _Exported) -> None:
     import numpy as np
 
     from frontal_biped.files.atomic import atomic_path, write_text
+    from frontal_biped.simulation.csv_table import table_rows, write_csv
     from frontal_biped.simulation.mcap_log import write_mcap
     from frontal_biped.viewer.headless import write_gif, write_png
 
     kind = target.suffix.lower()
     if kind == ".csv":
-        write_text(target, source.csv())
+        columns = source.csv()
+        with atomic_path(target) as temporary, temporary.open("w", encoding="utf-8") as stream:
+            write_csv(stream, columns, table_rows(columns))
         return
     if kind == ".npz":
         arrays = source.arrays()
@@ -187,6 +235,6 @@ def _write(arguments: argparse.Namespace, target: Path, source: _Exported) -> No
         write_png(page, target, arguments.time, arguments.size or (1280, 800))
     else:
         # a GIF counts in hundredths of a second
-        frame = max(2, round(100.0 / arguments.fps)) / 100.0
+        frame = round(100.0 / arguments.fps) / 100.0
         times = np.arange(0.0, source.duration, frame).tolist()
         write_gif(page, target, times, 1.0 / frame, arguments.size or (640, 480))

@@ -1,10 +1,10 @@
 """The kinds of files there are, each with the words for it, so that one given for another is named as what it is."""
 
-import json
-import zipfile
 from pathlib import Path
 
-import numpy as np
+from frontal_biped.exceptions import FrontalBipedError
+from frontal_biped.files.npz import open_npz
+from frontal_biped.files.reading import load_json
 
 GAIT = "frontal-biped-gait"
 """``format`` of a gait file."""
@@ -22,17 +22,20 @@ _BY_ENDING = {".urdf": "a URDF", ".toml": "a TOML file", ".html": "a page", ".cs
 
 
 def archive_format(path: Path) -> str:
-    """What a NumPy archive says it is; "" of a file that says nothing, or is none."""
+    """What a NumPy archive says it is; "" of a file that says nothing, or is none. Never raises, never reads much."""
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            return str(json.loads(str(archive["header"]))["format"])
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, AttributeError, TypeError):
+        with open_npz(path) as archive:
+            return str(archive.header().get("format", ""))
+    except (OSError, ValueError, FrontalBipedError):
         return ""
 
 
 def named_kind(path: Path) -> str | None:
-    """What a file is, in words; None: it does not tell."""
-    if not path.is_file():
+    """What a file is, in words; None: it does not tell. Never raises, never reads much."""
+    try:
+        if not path.is_file():
+            return None
+    except (OSError, ValueError):  # a name too long, a folder that must not be looked into
         return None
     if path.suffix in _BY_ENDING:
         return _BY_ENDING[path.suffix]
@@ -41,7 +44,7 @@ def named_kind(path: Path) -> str | None:
 
 def _text_format(path: Path) -> str:
     try:
-        table = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        table = load_json(path, FrontalBipedError, "", finite=False)
+    except (OSError, FrontalBipedError):
         return ""
     return str(table.get("format")) if isinstance(table, dict) else ""

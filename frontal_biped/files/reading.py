@@ -2,6 +2,7 @@
 
 import json
 import stat
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -47,13 +48,14 @@ def read_bytes(path: Path, most: int, error: type[FrontalBipedError], ending: st
     return content
 
 
-def load_json(path: Path, error: type[FrontalBipedError], remedy: str) -> Any:
+def load_json(path: Path, error: type[FrontalBipedError], remedy: str, *, finite: bool = True) -> Any:
     """What a JSON file says, strictly: no key twice, no NaN, no number or text that Python alone can have.
 
     Args:
         path: of the file.
         error: to raise.
         remedy: the end of every complaint.
+        finite: as in `json_value`.
 
     Raises:
         FrontalBipedError: ``error``: the file is no JSON, in one line.
@@ -61,15 +63,31 @@ def load_json(path: Path, error: type[FrontalBipedError], remedy: str) -> Any:
     """
     content = read_bytes(path, MOST_JSON_BYTES, error, ".json file")
     try:
-        text = content.decode("utf-8")
-        value = json.loads(text, object_pairs_hook=_no_key_twice, parse_constant=_no_constant, parse_int=_short_whole)
-        if "\\u" in text:  # half of a surrogate pair, which no file and no terminal can show
-            json.dumps(value, ensure_ascii=False).encode("utf-8")
-        return value
-    except RecursionError:
-        raise error(f"{path}: not valid JSON, its values are nested too deep; {remedy}") from None
+        return json_value(content.decode("utf-8"), finite=finite)
     except ValueError as cause:  # of JSON, of numbers and of UTF-8
         raise error(f"{path}: not valid JSON, {cause}; {remedy}") from None
+
+
+def json_value(text: str, *, finite: bool = True) -> Any:
+    """What a JSON text says, as strictly as `load_json`.
+
+    Args:
+        text: of it.
+        finite: refuse NaN, Infinity and numbers of hundreds of digits; False: leave them, all as floats that are not
+            finite, to a reader who names the field in which they stand.
+
+    Raises:
+        ValueError: it is no JSON.
+    """
+    constant: Callable[[str], Any] = _no_constant if finite else float
+    whole = _short_whole if finite else _whole_or_infinite
+    try:
+        value = json.loads(text, object_pairs_hook=_no_key_twice, parse_constant=constant, parse_int=whole)
+        if "\\u" in text:  # half of a surrogate pair, which no file and no terminal can show
+            json.dumps(value, ensure_ascii=False).encode("utf-8")
+    except RecursionError:
+        raise ValueError("its values are nested too deep") from None
+    return value
 
 
 def _no_key_twice(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -88,3 +106,7 @@ def _short_whole(digits: str) -> int:
     if len(digits) > MOST_DIGITS:
         raise ValueError(f"a number of {len(digits)} digits")
     return int(digits)
+
+
+def _whole_or_infinite(digits: str) -> int | float:
+    return int(digits) if len(digits) <= MOST_DIGITS else float(digits)

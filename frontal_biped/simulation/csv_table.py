@@ -10,9 +10,8 @@ it is the periodic orbit in closed form.
 """
 
 import csv
-import io
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, TextIO
 
 import numpy as np
 
@@ -23,12 +22,16 @@ from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.simulation.whole_columns import base_columns, contact_columns, joint_columns
 from frontal_biped.simulation.whole_robot import whole_motion
-from frontal_biped.simulation.world import drawable, even_times, resample
+from frontal_biped.simulation.world import Phased, drawable, even_times, resample
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 COORDINATES = ("urdf", "stance", "both")
 """URDF joints by name; the paper's stance coordinates; or both."""
 
+Column = Sequence[Any] | np.ndarray[Any, Any]
+"""What stands under one name: numbers or texts."""
+
+_BLOCK = 1000  # rows that are there as texts at a time
 _CHAIN = tuple(name.replace(" ", "_") for name in JOINTS)
 
 
@@ -49,21 +52,34 @@ def run_table(
     Returns:
         Names with their units in brackets, and as many texts in each row; numbers at full precision.
     """
+    columns = run_columns(biped, trajectory, coordinates, rate)
+    return list(columns), list(table_rows(columns))
+
+
+def run_columns(
+    biped: FrontalBiped, trajectory: Trajectory, coordinates: str = "urdf", rate: float | None = None
+) -> dict[str, Column]:
+    """The columns of `run_table` by their names."""
     check_coordinates(coordinates)
     run = drawable(trajectory)
     if rate is not None:
         run = resample(run, even_times(run.t, rate))
-    columns: dict[str, list[Any]] = {
-        "time [s]": run.t.tolist(),
-        "step [-]": (run.step.astype(int) + 1).tolist(),
-        "stance [left/right]": [Stance.of_sign(sign).value for sign in run.stance],
-        "phase [rising/falling]": [StepPhase.of_sign(sign).value for sign in run.phase],
-    }
+    columns: dict[str, Column] = step_columns(run)
     if coordinates != "stance":
         columns |= _urdf_columns(biped, run, whole_motion(biped, trajectory, rate))
     if coordinates != "urdf":
         columns |= _stance_columns(run)
-    return list(columns), table_rows(columns)
+    return columns
+
+
+def step_columns(run: Phased) -> dict[str, Column]:
+    """Time, step, stance foot and phase: how every table begins."""
+    return {
+        "time [s]": run.t,
+        "step [-]": run.step.astype(np.int64) + 1,
+        "stance [left/right]": [Stance.of_sign(sign).value for sign in run.stance],
+        "phase [rising/falling]": [StepPhase.of_sign(sign).value for sign in run.phase],
+    }
 
 
 def check_coordinates(coordinates: str) -> None:
@@ -72,48 +88,50 @@ def check_coordinates(coordinates: str) -> None:
         raise ValueError(f"coordinates = {coordinates!r} is none of {', '.join(COORDINATES)}")
 
 
-def table_rows(columns: Mapping[str, Sequence[Any]]) -> list[list[str]]:
-    """The rows of a table, numbers as texts at full precision."""
-    return [
-        [value if isinstance(value, str) else repr(value) for value in row]
-        for row in zip(*columns.values(), strict=True)
-    ]
+def table_rows(columns: Mapping[str, Column]) -> Iterator[list[str]]:
+    """The rows of a table, one after the other, numbers as texts at full precision."""
+    count = len(next(iter(columns.values())))
+    for start in range(0, count, _BLOCK):
+        parts = [column[start : start + _BLOCK] for column in columns.values()]
+        for row in zip(*(part.tolist() if isinstance(part, np.ndarray) else part for part in parts), strict=True):
+            yield [value if isinstance(value, str) else repr(value) for value in row]
 
 
-def table_csv(header: list[str], rows: list[list[str]]) -> str:
-    """The table as comma-separated text, one header line."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
+def write_csv(stream: TextIO, header: Iterable[str], rows: Iterable[list[str]]) -> None:
+    """Write a table as comma-separated text, one header line."""
+    writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(header)
     writer.writerows(rows)
-    return text.getvalue()
 
 
-def _urdf_columns(biped: FrontalBiped, run: Trajectory, motion: WholeMotion) -> dict[str, list[Any]]:
-    table: dict[str, list[Any]] = base_columns(motion) | joint_columns(motion, held_torques=True)
-    table |= contact_columns(motion)
+def _urdf_columns(biped: FrontalBiped, run: Trajectory, motion: WholeMotion) -> dict[str, Column]:
+    table: dict[str, Column] = {
+        **base_columns(motion),
+        **joint_columns(motion, held_torques=True),
+        **contact_columns(motion),
+    }
     if not biped.description.virtual_legs:
         chart = biped.stance_map
         wanted = np.concatenate([run.q[:, :1], run.q_b_desired], axis=1)
         places = np.array(
             [chart.positions_to_urdf(row, Stance.of_sign(sign)) for row, sign in zip(wanted, run.stance, strict=True)]
         )
-        table |= {f"{name} desired position [rad]": places[:, i].tolist() for i, name in enumerate(chart.joint_names)}
-    table["fri y [m]"] = (run.stance_y - run.stance * run.p_fri).tolist()
-    table["desired fri y [m]"] = (run.stance_y - run.stance * run.p_fri_target).tolist()
-    table["stance ankle y [m]"] = run.stance_y.tolist()
-    table["ground reaction y [N]"] = (-run.stance * run.force[:, 0]).tolist()
-    table["ground reaction z [N]"] = run.force[:, 1].tolist()
+        table |= {f"{name} desired position [rad]": places[:, i] for i, name in enumerate(chart.joint_names)}
+    table["fri y [m]"] = run.stance_y - run.stance * run.p_fri
+    table["desired fri y [m]"] = run.stance_y - run.stance * run.p_fri_target
+    table["stance ankle y [m]"] = run.stance_y
+    table["ground reaction y [N]"] = -run.stance * run.force[:, 0]
+    table["ground reaction z [N]"] = run.force[:, 1]
     return table
 
 
-def _stance_columns(run: Trajectory) -> dict[str, list[float]]:
-    table: dict[str, list[float]] = {}
+def _stance_columns(run: Trajectory) -> dict[str, Column]:
+    table: dict[str, Column] = {}
     for kind, unit, values in (("q", "rad", run.q), ("dq", "rad/s", run.dq), ("u", "N m", run.u)):
-        table |= {f"{kind}{i + 1} {name} [{unit}]": values[:, i].tolist() for i, name in enumerate(_CHAIN)}
-    table |= {f"h_d{i + 2} {name} [rad]": run.q_b_desired[:, i].tolist() for i, name in enumerate(_CHAIN[1:])}
-    table["p_FRI [m]"] = run.p_fri.tolist()
-    table["desired p_FRI [m]"] = run.p_fri_target.tolist()
-    table["F_h [N]"] = run.force[:, 0].tolist()
-    table["F_v [N]"] = run.force[:, 1].tolist()
+        table |= {f"{kind}{i + 1} {name} [{unit}]": values[:, i] for i, name in enumerate(_CHAIN)}
+    table |= {f"h_d{i + 2} {name} [rad]": run.q_b_desired[:, i] for i, name in enumerate(_CHAIN[1:])}
+    table["p_FRI [m]"] = run.p_fri
+    table["desired p_FRI [m]"] = run.p_fri_target
+    table["F_h [N]"] = run.force[:, 0]
+    table["F_v [N]"] = run.force[:, 1]
     return table

@@ -8,7 +8,7 @@ simulator can be written with `save_trajectory` and watched.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,8 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
 from frontal_biped.files.archive import ArchiveKind, read_archive, write_archive
+from frontal_biped.files.array_schema import ArraySchema
+from frontal_biped.files.header_schema import COUNT, LINE, TABLE, words_among
 from frontal_biped.files.kinds import RUN
 from frontal_biped.files.shown import Plotted, ShownAsPage
 from frontal_biped.gait.robot_path import with_found_description, with_stored_description
@@ -25,6 +27,7 @@ from frontal_biped.gait.told_robot import told_robot
 from frontal_biped.model.stance_map import Stance, StanceMap
 from frontal_biped.model.urdf.description import ROLL_JOINTS
 from frontal_biped.numerics.by_name import Columns
+from frontal_biped.simulation.hybrid_system import EventKind
 
 KIND = ArchiveKind(RUN, 1, "write one with `frontal-biped simulate GAIT.json -o RUN.npz`")
 
@@ -164,27 +167,103 @@ class Trajectory(ShownAsPage, Plotted):
         return self.post_impact_states()[:, self.q.shape[1]]
 
 
-_ARRAYS = tuple(f.name for f in fields(Trajectory) if f.type is FloatArray or f.type == "FloatArray")
-SAMPLED = tuple(name for name in _ARRAYS if not name.startswith("event_"))
-_TEXT = ("event_kind", "robot", "outcome", "steps_completed", "gait", "settings")
+FARTHEST = 1e6
+"""Size of a coordinate of a robot that has not diverged [m, rad]."""
+
+FRI_REACH = 1e30
+"""Where the ground reaction acts [m]: a force that has all but vanished acts far away."""
+
+LATEST = 1e10
+"""Of times [s]: they may count from 1970."""
+
+LONGEST = 30_000.0
+"""Of a run [s]: 3000 steps, each of whose two phases lasts as long as the simulator lets it."""
+
+SHORTEST = 1e-30
+"""Time between two samples [s] that are not at one time: what is divided by it stays finite."""
+
+EVENT_SLACK = 5.0
+"""How far events may lie outside of the samples [s]: as long as a phase lasts at most."""
+
+EVENT_NAMES = frozenset(kind.name for kind in EventKind)
+
+TIME = ArraySchema(least=-LATEST, most=LATEST, ordered=True)
+EITHER = ArraySchema(among=(-1.0, 1.0))
+STEP = ArraySchema(least=0.0, whole=True, ordered=True)
+
+
+def event_schema(count: int) -> dict[str, ArraySchema]:
+    """What the arrays of so many events are to be, beside the states."""
+    return {"event_t": replace(TIME, rows=count), "event_step": ArraySchema(rows=count, least=-1.0, whole=True)}
+
+
+def require_walk(content: Mapping[str, Any]) -> None:
+    """Raise ValueError where the times, steps and events of a run, each of them right, do not go together."""
+    t, events, last = content["t"], content["event_t"], int(content["step"][-1])
+    if not t[-1] - t[0] <= LONGEST:
+        raise ValueError(f"t lasts {t[-1] - t[0]:g} s, a run at most {LONGEST:g}")
+    if ((steps := np.diff(t)) > 0.0).any() and (shortest := steps[steps > 0.0].min()) < SHORTEST:
+        raise ValueError(f"t has samples {shortest:g} s apart, less than {SHORTEST:g}")
+    for time in events[[0, -1]] if len(events) else ():
+        if not t[0] - EVENT_SLACK <= time <= t[-1] + EVENT_SLACK:
+            raise ValueError(f"event_t = {time:g} lies outside of the run, {t[0]:g} to {t[-1]:g} s")
+    if content["steps_completed"] > last + 1:
+        raise ValueError(f"steps_completed = {content['steps_completed']}, but the last step has the index {last}")
+
+
+def _schema(events: int) -> dict[str, ArraySchema]:
+    """What the arrays of a run file are to be; NaN where they do not know, and from where the robot has diverged on."""
+    by_step = event_schema(events)
+    unknown = ArraySchema(gaps=True)
+    return {
+        "t": TIME,
+        "q": ArraySchema((4,), least=-FARTHEST, most=FARTHEST, posture=True),
+        "dq": replace(unknown, row=(4,)),
+        "u": replace(unknown, row=(4,)),
+        "force": replace(unknown, row=(2,)),
+        "p_fri": ArraySchema(least=-FRI_REACH, most=FRI_REACH, gaps=True),
+        "p_fri_target": unknown,
+        "q_b_desired": replace(unknown, row=(3,)),
+        "phase": EITHER,
+        "stance": EITHER,
+        "stance_y": ArraySchema(least=-FARTHEST, most=FARTHEST, posture=True),
+        "step": STEP,
+        "event_t": by_step["event_t"],
+        "event_step": by_step["event_step"],
+        "event_state": ArraySchema((8,), rows=events, gaps=True),
+    }
+
+
+_ARRAYS = tuple(_schema(0))
+SAMPLED = tuple(name for name, schema in _schema(0).items() if schema.rows is None)
+HEADER = {
+    "event_kind": words_among(EVENT_NAMES),
+    "robot": LINE,
+    "outcome": LINE,
+    "steps_completed": COUNT,
+    "gait": TABLE,
+    "settings": TABLE,
+}
+"""What stands in the header of every run file."""
 
 
 def save_trajectory(trajectory: Trajectory, path: Path | str) -> None:
     """Write a run file (NPZ, no pickles); it appears whole or not at all."""
-    arrays = {name: getattr(trajectory, name) for name in _ARRAYS}
+    arrays = {name: np.asarray(getattr(trajectory, name), dtype=float) for name in _ARRAYS}
     path = Path(path)
-    header = {key: getattr(trajectory, key) for key in _TEXT}
+    header = {key: getattr(trajectory, key) for key in HEADER}
     write_archive(path, KIND, header | {"gait": with_stored_description(trajectory.gait, path.parent)}, arrays)
 
 
 def load_trajectory(path: Path | str) -> Trajectory:
-    """Read a run file.
+    """Read a run file; what stands in it is checked, all of it.
 
     Raises:
-        TrajectoryFileError: the file is missing, cut off, or not a run.
+        TrajectoryFileError: the file is missing, cut off, not a run, or one whose parts are wrong or do not go
+            together; one line.
     """
     path = Path(path)
-    content = read_archive(path, KIND, _TEXT, _ARRAYS)
+    content = read_archive(path, KIND, HEADER, lambda header: _schema(len(header["event_kind"])), require_walk)
     content["event_kind"] = tuple(content["event_kind"])
     content["gait"] = with_found_description(content["gait"], path.parent)
     return Trajectory(**content)

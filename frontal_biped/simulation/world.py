@@ -18,7 +18,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.space.standing import ANKLE, standing_configurations
 from frontal_biped.model.stance_map import Stance
-from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.simulation.trajectory import FARTHEST, Trajectory
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 FEET = (Stance.LEFT, Stance.RIGHT)
@@ -159,8 +159,25 @@ def neighbours(t: FloatArray, times: FloatArray) -> Neighbours:
     return Neighbours(left, right, weight)
 
 
+def rows_before_divergence(t: FloatArray, postures: FloatArray) -> int:
+    """How many postures (T, k) there are before the first that is none: not finite, or farther than `FARTHEST`.
+
+    Args:
+        t: (T,) their times, which must be finite too [s].
+        postures: of the robot.
+
+    Raises:
+        ValueError: not one.
+    """
+    gone = np.flatnonzero(~(np.isfinite(t) & (np.abs(postures) <= FARTHEST).all(axis=1)))  # nan is not below it
+    count = int(gone[0]) if len(gone) else len(t)
+    if not count:
+        raise ValueError("the run has no posture to draw")
+    return count
+
+
 def drawable(trajectory: Trajectory) -> Trajectory:
-    """The run as far as it can be drawn: up to the first posture that is not finite, gaps filled.
+    """The run as far as it can be drawn: up to where the robot has diverged, gaps filled.
 
     Runs of other simulators may lack the desired posture, or the FRI and force while nothing touches the ground: the
     actual posture, the ankle's place and no force stand in for them.
@@ -168,10 +185,7 @@ def drawable(trajectory: Trajectory) -> Trajectory:
     Raises:
         ValueError: the run has no sample that can be drawn.
     """
-    bad = np.flatnonzero(~np.isfinite(np.column_stack([trajectory.t, trajectory.q, trajectory.stance_y])).all(axis=1))
-    count = int(bad[0]) if len(bad) else len(trajectory.t)
-    if not count:
-        raise ValueError("the run has no posture to draw")
+    count = rows_before_divergence(trajectory.t, np.column_stack([trajectory.q, trajectory.stance_y]))
     cut: dict[str, Any] = {name: getattr(trajectory, name)[:count] for name in (*_INTERPOLATED, *_HELD, "t")}
 
     def filled(name: str, otherwise: FloatArray | float) -> FloatArray:

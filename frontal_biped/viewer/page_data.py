@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.files.array_schema import LARGEST
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import JOINTS
 from frontal_biped.simulation.orbit import ORBIT
@@ -175,6 +176,9 @@ def _pushes(run: Trajectory) -> list[dict[str, float]]:
     return found
 
 
+_NUMBERS_OF_PUSH = ("start", "duration", "impulse", "point")
+
+
 def told_pushes(run: Trajectory | SpatialRun, pushes: Any) -> Iterator[tuple[float, Mapping[str, Any]]]:
     """Start from the first sample [s] of each push that began in a run, and the rest of what is told of it.
 
@@ -185,7 +189,11 @@ def told_pushes(run: Trajectory | SpatialRun, pushes: Any) -> Iterator[tuple[flo
     for push in pushes if isinstance(pushes, list) else []:
         try:
             start = float(push["start"])
-        except (KeyError, TypeError, ValueError):
+            told = [np.ravel(np.asarray(push.get(key, 0.0), dtype=float)) for key in _NUMBERS_OF_PUSH]
+        except (KeyError, TypeError, ValueError, OverflowError, AttributeError):
+            continue
+        # nan is not below it
+        if not np.all(np.abs(np.concatenate(told)) <= LARGEST) or not isinstance(push.get("step"), int | None):
             continue
         origin = _origin(run, push.get("step"), push.get("phase"))
         if origin is not None:

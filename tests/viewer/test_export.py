@@ -14,7 +14,7 @@ from frontal_biped.cli import main
 from frontal_biped.exceptions import FrontalBipedError, MissingExtraError
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation import save_trajectory
-from frontal_biped.simulation.csv_table import run_table, table_csv
+from frontal_biped.simulation.csv_table import run_table, write_csv
 from frontal_biped.viewer import animation_page
 from frontal_biped.viewer.headless import write_gif, write_png
 
@@ -23,7 +23,9 @@ ROUNDING = 1e-12
 
 def columns(biped, run, **options):
     header, rows = run_table(biped, run, **options)
-    back = list(csv.reader(io.StringIO(table_csv(header, rows))))
+    stream = io.StringIO()
+    write_csv(stream, header, rows)
+    back = list(csv.reader(io.StringIO(stream.getvalue())))
     assert back[0] == header
     return {name: [row[k] for row in back[1:]] for k, name in enumerate(header)}
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.simulation.space.run import SAMPLED, SpatialRun
-from frontal_biped.simulation.world import neighbours
+from frontal_biped.simulation.world import neighbours, rows_before_divergence
 
 _HELD = ("contact", "phase", "stance", "step", "speed_target", "solved", "foothold")
 _ANGLES = ("sole_yaw", "yaw")
@@ -42,13 +42,10 @@ def same_hemisphere(quaternions: FloatArray) -> FloatArray:
 
 
 def drawable_part(run: SpatialRun) -> SpatialRun:
-    """The run as far as it can be drawn: up to the first posture that is not finite, other gaps filled with zeros.
+    """The run as far as it can be drawn: up to where the robot has diverged, gaps filled with zeros.
 
     Raises:
         ValueError: the run has no sample that can be drawn.
     """
-    bad = np.flatnonzero(~np.isfinite(np.column_stack([run.t, run.q])).all(axis=1))
-    count = int(bad[0]) if len(bad) else len(run.t)
-    if not count:
-        raise ValueError("the run has no posture to draw")
+    count = rows_before_divergence(run.t, run.q)
     return replace(run, **{name: np.nan_to_num(getattr(run, name)[:count]) for name in SAMPLED})

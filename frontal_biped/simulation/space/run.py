@@ -7,22 +7,33 @@ watched.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.exceptions import TrajectoryFileError
 from frontal_biped.files.archive import ArchiveKind, read_archive, write_archive
+from frontal_biped.files.array_schema import ArraySchema
+from frontal_biped.files.header_schema import NAMES
 from frontal_biped.files.kinds import SPACE_RUN
 from frontal_biped.files.shown import Plotted, ShownAsPage
 from frontal_biped.gait.robot_path import with_found_description, with_stored_description
 from frontal_biped.model.space.free_robot import BASE
 from frontal_biped.model.space.joint_arrays import ROOT
 from frontal_biped.numerics.by_name import Columns
-from frontal_biped.simulation.trajectory import COMPLETED
+from frontal_biped.simulation.trajectory import (
+    COMPLETED,
+    EITHER,
+    FARTHEST,
+    FRI_REACH,
+    HEADER,
+    STEP,
+    TIME,
+    event_schema,
+    require_walk,
+)
 
 KIND = ArchiveKind(SPACE_RUN, 1, "write one with `frontal-biped walk ROBOT -o RUN.npz`")
 
@@ -155,52 +166,84 @@ class SpatialRun(ShownAsPage, Plotted):
         return replace(self, **part)
 
 
-_ARRAYS = tuple(f.name for f in fields(SpatialRun) if f.type is FloatArray)
-SAMPLED = tuple(name for name in _ARRAYS if not name.startswith("event_"))
-_TUPLES = ("event_kind", "joint_names", "locked")
-_TEXT_TYPES: dict[str, type] = {
-    **dict.fromkeys(_TUPLES, list), "robot": str, "outcome": str, "steps_completed": int, "gait": dict, "settings": dict
-}  # fmt: skip
-# shapes behind the time of arrays that depend on no number of joints; left out: none
-_TRAILING = {
-    "wrench": (2, 6), "contact": (2,), "com": (3,), "com_velocity": (3,), "sole_position": (2, 3), "sole_yaw": (2,),
-    "frontal_q": (4,), "frontal_dq": (4,), "frontal_y": (3,), "foothold": (3,), "event_frontal": (8,),
-}  # fmt: skip
-_TEXT = (*_TUPLES, "robot", "outcome", "steps_completed", "gait", "settings")
+UNIT = 1e-2
+"""How far the length of a quaternion may be off from 1."""
+
+_PLACE = ArraySchema(least=-FARTHEST, most=FARTHEST)
+_FLAG = ArraySchema(among=(0.0, 1.0))
+_PRESSURE = ArraySchema(least=-FRI_REACH, most=FRI_REACH, gaps=True)
+
+
+def _schema(joints: int, events: int) -> dict[str, ArraySchema]:
+    """What the arrays of a run file are to be; NaN where they do not know, and from where the robot has diverged on."""
+    unknown, by_step = ArraySchema(gaps=True), event_schema(events)
+    return {
+        "t": TIME,
+        "q": replace(_PLACE, row=(ROOT + joints,), posture=True),
+        "v": replace(unknown, row=(BASE + joints,)),
+        "tau": replace(unknown, row=(joints,)),
+        "wrench": replace(unknown, row=(2, 6)),
+        "contact": replace(_FLAG, row=(2,)),
+        "com": replace(_PLACE, row=(3,)),
+        "com_velocity": replace(unknown, row=(3,)),
+        "sole_position": replace(_PLACE, row=(2, 3)),
+        "sole_yaw": replace(_PLACE, row=(2,)),
+        "frontal_q": replace(unknown, row=(4,)),
+        "frontal_dq": replace(unknown, row=(4,)),
+        "frontal_y": replace(unknown, row=(3,)),
+        "p_fri": _PRESSURE,
+        "p_fri_target": unknown,
+        "cop_x": _PRESSURE,
+        "cop_target_x": unknown,
+        "phase": EITHER,
+        "stance": EITHER,
+        "step": STEP,
+        "speed_target": unknown,
+        "yaw": _PLACE,
+        "foothold": replace(_PLACE, row=(3,), gaps=True),
+        "solved": _FLAG,
+        "event_t": by_step["event_t"],
+        "event_step": by_step["event_step"],
+        "event_frontal": ArraySchema((8,), rows=events, gaps=True),
+    }
+
+
+def _require_walk(content: Mapping[str, Any]) -> None:
+    """As in the plane, and quaternions of length 1."""
+    require_walk(content)
+    q = content["q"]
+    lengths = np.linalg.norm(q[np.abs(q).max(axis=1) <= FARTHEST, 3:ROOT], axis=1)  # until it diverges
+    if len(wrong := np.flatnonzero(np.abs(lengths - 1.0) > UNIT)):
+        raise ValueError(f"q[{wrong[0]}, 3:7] has the length {lengths[wrong[0]]:g}, a quaternion has 1")
+
+
+_ARRAYS = tuple(_schema(0, 0))
+SAMPLED = tuple(name for name, schema in _schema(0, 0).items() if schema.rows is None)
+_HEADER = HEADER | {"joint_names": NAMES, "locked": NAMES}
 
 
 def save_spatial_run(run: SpatialRun, path: Path | str) -> None:
     """Write a run file (NPZ, no pickles); it appears whole or not at all."""
     arrays = {name: np.asarray(getattr(run, name), dtype=float) for name in _ARRAYS}
     path = Path(path)
-    header = {key: getattr(run, key) for key in _TEXT}
+    header = {key: getattr(run, key) for key in _HEADER}
     write_archive(path, KIND, header | {"gait": with_stored_description(run.gait, path.parent)}, arrays)
 
 
 def load_spatial_run(path: Path | str) -> SpatialRun:
-    """Read a run file.
+    """Read a run file; what stands in it is checked, all of it.
 
     Raises:
-        TrajectoryFileError: the file is missing, cut off or not a walk in space, or its arrays do not go together; one
-            line.
+        TrajectoryFileError: the file is missing, cut off, not a walk in space, or one whose parts are wrong or do not
+            go together; one line.
     """
     path = Path(path)
-    content = read_archive(path, KIND, _TEXT, _ARRAYS)
-    for key, kind in _TEXT_TYPES.items():
-        if not isinstance(content[key], kind) or (kind is list and not all(isinstance(n, str) for n in content[key])):
-            what = "list of names" if kind is list else kind.__name__
-            raise _refused(path, f"{key} = {str(content[key])[:40]!r} is no {what}")
+    content = read_archive(
+        path,
+        KIND,
+        _HEADER,
+        lambda header: _schema(len(header["joint_names"]), len(header["event_kind"])),
+        _require_walk,
+    )
     content["gait"] = with_found_description(content["gait"], path.parent)
-    n, samples, events = len(content["joint_names"]), np.shape(content["t"])[:1], (len(content["event_kind"]),)
-    sizes = {"q": 7 + n, "v": 6 + n, "tau": n}
-    for name in _ARRAYS:
-        array, trailing = content[name], _TRAILING.get(name, ())
-        wanted = (*(events if name.startswith("event_") else samples), *([sizes[name]] if name in sizes else trailing))
-        if array.dtype.kind not in "fiub" or array.shape != wanted:
-            raise _refused(path, f"{name} is {array.dtype} of shape {array.shape}, not numbers of shape {wanted}")
-        content[name] = array.astype(float)
-    return SpatialRun(**content | {key: tuple(content[key]) for key in _TUPLES})
-
-
-def _refused(path: Path, what: str) -> TrajectoryFileError:
-    return TrajectoryFileError(f"{path}: not a readable run file ({what}); {KIND.remedy}")
+    return SpatialRun(**content | {key: tuple(content[key]) for key in ("event_kind", "joint_names", "locked")})

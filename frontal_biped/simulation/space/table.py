@@ -13,15 +13,13 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.chain import JOINTS
 from frontal_biped.model.space.free_robot import FreeRobot
-from frontal_biped.model.stance_map import Stance
-from frontal_biped.simulation.csv_table import check_coordinates, table_rows
+from frontal_biped.simulation.csv_table import Column, check_coordinates, step_columns, table_rows
 from frontal_biped.simulation.space.resampling import drawable_part, resample_spatial
 from frontal_biped.simulation.space.run import SpatialRun
 from frontal_biped.simulation.space.soles import pressure_in_sole
 from frontal_biped.simulation.whole_columns import base_columns, joint_columns
 from frontal_biped.simulation.whole_robot import whole_motion
 from frontal_biped.simulation.world import FEET, even_times
-from frontal_biped.virtual_constraints.phase import StepPhase
 
 
 def spatial_table(
@@ -39,38 +37,41 @@ def spatial_table(
         Names with their units in brackets, and as many texts in each row; numbers at full precision, none where there
         is none.
     """
+    columns = spatial_columns(robot, run, coordinates, rate)
+    return list(columns), list(table_rows(columns))
+
+
+def spatial_columns(
+    robot: FreeRobot, run: SpatialRun, coordinates: str = "urdf", rate: float | None = None
+) -> dict[str, Column]:
+    """The columns of `spatial_table` by their names."""
     check_coordinates(coordinates)
     motion = whole_motion(robot, run, rate)
     run = drawable_part(run)
     if rate is not None:
         run = resample_spatial(run, even_times(run.t, rate))
-    columns: dict[str, list[Any]] = {
-        "time [s]": run.t.tolist(),
-        "step [-]": (run.step.astype(int) + 1).tolist(),
-        "stance [left/right]": [Stance.of_sign(sign).value for sign in run.stance],
-        "phase [rising/falling]": [StepPhase.of_sign(sign).value for sign in run.phase],
-    }
+    columns: dict[str, Column] = step_columns(run)
     if coordinates != "stance":
-        columns |= base_columns(motion) | joint_columns(motion, held_torques=False) | _ground_columns(run)
+        columns |= {**base_columns(motion), **joint_columns(motion, held_torques=False), **_ground_columns(run)}
     if coordinates != "urdf":
         columns |= _frontal_columns(run)
-    return list(columns), table_rows(columns)
+    return columns
 
 
-def _ground_columns(run: SpatialRun) -> dict[str, list[Any]]:
-    table: dict[str, list[Any]] = {}
+def _ground_columns(run: SpatialRun) -> dict[str, Column]:
+    table: dict[str, Column] = {}
     pressure = pressure_in_sole(run)
     for i, foot in enumerate(FEET):
         sole = f"{foot.value} sole"
-        table[f"{sole} contact [0/1]"] = run.contact[:, i].astype(int).tolist()
-        table |= {f"{sole} force {axis} [N]": run.wrench[:, i, j].tolist() for j, axis in enumerate("xyz")}
-        table |= {f"{sole} moment {axis} [N m]": run.wrench[:, i, 3 + j].tolist() for j, axis in enumerate("xyz")}
-        table |= {f"{sole} {axis} [m]": run.sole_position[:, i, j].tolist() for j, axis in enumerate("xyz")}
-        table[f"{sole} yaw [rad]"] = run.sole_yaw[:, i].tolist()
+        table[f"{sole} contact [0/1]"] = run.contact[:, i].astype(np.int64)
+        table |= {f"{sole} force {axis} [N]": run.wrench[:, i, j] for j, axis in enumerate("xyz")}
+        table |= {f"{sole} moment {axis} [N m]": run.wrench[:, i, 3 + j] for j, axis in enumerate("xyz")}
+        table |= {f"{sole} {axis} [m]": run.sole_position[:, i, j] for j, axis in enumerate("xyz")}
+        table[f"{sole} yaw [rad]"] = run.sole_yaw[:, i]
         table |= {f"{sole} centre of pressure {axis} [m]": _or_empty(pressure[:, i, j]) for j, axis in enumerate("xy")}
-    table |= {f"centre of mass {axis} [m]": run.com[:, i].tolist() for i, axis in enumerate("xyz")}
-    table |= {f"centre of mass velocity {axis} [m/s]": run.com_velocity[:, i].tolist() for i, axis in enumerate("xyz")}
-    table["commanded speed [m/s]"] = run.speed_target.tolist()
+    table |= {f"centre of mass {axis} [m]": run.com[:, i] for i, axis in enumerate("xyz")}
+    table |= {f"centre of mass velocity {axis} [m/s]": run.com_velocity[:, i] for i, axis in enumerate("xyz")}
+    table["commanded speed [m/s]"] = run.speed_target
     return table
 
 
@@ -78,14 +79,14 @@ def _or_empty(values: FloatArray) -> list[Any]:
     return [value if np.isfinite(value) else "" for value in values.tolist()]
 
 
-def _frontal_columns(run: SpatialRun) -> dict[str, list[float]]:
+def _frontal_columns(run: SpatialRun) -> dict[str, Column]:
     chain = [name.replace(" ", "_") for name in JOINTS]
-    table: dict[str, list[float]] = {}
+    table: dict[str, Column] = {}
     for kind, unit, values in (("q", "rad", run.frontal_q), ("dq", "rad/s", run.frontal_dq)):
-        table |= {f"{kind}{i + 1} {name} [{unit}]": values[:, i].tolist() for i, name in enumerate(chain)}
-    table |= {f"y{i + 1} {name} [rad]": run.frontal_y[:, i].tolist() for i, name in enumerate(chain[1:])}
-    table["p_FRI [m]"] = run.p_fri.tolist()
-    table["desired p_FRI [m]"] = run.p_fri_target.tolist()
-    table["CoP_x [m]"] = run.cop_x.tolist()
-    table["desired CoP_x [m]"] = run.cop_target_x.tolist()
+        table |= {f"{kind}{i + 1} {name} [{unit}]": values[:, i] for i, name in enumerate(chain)}
+    table |= {f"y{i + 1} {name} [rad]": run.frontal_y[:, i] for i, name in enumerate(chain[1:])}
+    table["p_FRI [m]"] = run.p_fri
+    table["desired p_FRI [m]"] = run.p_fri_target
+    table["CoP_x [m]"] = run.cop_x
+    table["desired CoP_x [m]"] = run.cop_target_x
     return table

@@ -4,34 +4,15 @@ import dataclasses
 
 import numpy as np
 import pytest
+from small_runs import spatial_run
 
 from frontal_biped.exceptions import TrajectoryFileError
-from frontal_biped.simulation.space.run import SAMPLED, SpatialRun, load_spatial_run, save_spatial_run
-
-SHAPES = {
-    "q": (9,), "v": (8,), "tau": (2,), "wrench": (2, 6), "contact": (2,), "com": (3,), "com_velocity": (3,),
-    "sole_position": (2, 3), "sole_yaw": (2,), "frontal_q": (4,), "frontal_dq": (4,), "frontal_y": (3,),
-    "foothold": (3,),
-}  # fmt: skip
+from frontal_biped.simulation.space.run import load_spatial_run, save_spatial_run
 
 
 @pytest.fixture
 def run():
-    generator = np.random.default_rng(0)
-    arrays = {name: generator.normal(size=(5, *SHAPES.get(name, ()))) for name in SAMPLED}
-    return SpatialRun(
-        **arrays,
-        event_t=np.array([0.0, 1.0]),
-        event_kind=("IMPACT", "REVERSAL"),
-        event_step=np.zeros(2),
-        event_frontal=generator.normal(size=(2, 8)),
-        robot="two_joints",
-        joint_names=("hip", "ankle"),
-        locked=("finger",),
-        outcome="completed",
-        steps_completed=1,
-        settings={"plant": {"friction": 0.8}},
-    )
+    return spatial_run()
 
 
 def test_round_trip_is_exact(run, tmp_path):

@@ -6,13 +6,14 @@ import io
 import numpy as np
 import pytest
 
-from frontal_biped.simulation.csv_table import table_csv
+from frontal_biped.simulation.csv_table import write_csv
 from frontal_biped.simulation.space.table import spatial_table
 
 
 def columns(header, rows):
-    text = table_csv(header, rows)
-    table = list(csv.reader(io.StringIO(text)))
+    stream = io.StringIO()
+    write_csv(stream, header, rows)
+    table = list(csv.reader(io.StringIO(stream.getvalue())))
     return {name: [row[i] for row in table[1:]] for i, name in enumerate(table[0])}
 
 
