@@ -47,13 +47,15 @@ def read_bytes(path: Path, most: int, error: type[FrontalBipedError], ending: st
     return content
 
 
-def load_json(path: Path, error: type[FrontalBipedError], remedy: str) -> Any:
+def load_json(path: Path, error: type[FrontalBipedError], remedy: str, *, finite: bool = True) -> Any:
     """What a JSON file says, strictly: no key twice, no NaN, no number or text that Python alone can have.
 
     Args:
         path: of the file.
         error: to raise.
         remedy: the end of every complaint.
+        finite: refuse NaN, Infinity and numbers of hundreds of digits; False: leave them, all as floats that are not
+            finite, to a reader who names the field in which they stand.
 
     Raises:
         FrontalBipedError: ``error``: the file is no JSON, in one line.
@@ -62,7 +64,12 @@ def load_json(path: Path, error: type[FrontalBipedError], remedy: str) -> Any:
     content = read_bytes(path, MOST_JSON_BYTES, error, ".json file")
     try:
         text = content.decode("utf-8")
-        value = json.loads(text, object_pairs_hook=_no_key_twice, parse_constant=_no_constant, parse_int=_short_whole)
+        value = json.loads(
+            text,
+            object_pairs_hook=_no_key_twice,
+            parse_constant=_no_constant if finite else None,
+            parse_int=_short_whole if finite else _whole_or_infinite,
+        )
         if "\\u" in text:  # half of a surrogate pair, which no file and no terminal can show
             json.dumps(value, ensure_ascii=False).encode("utf-8")
         return value
@@ -88,3 +95,7 @@ def _short_whole(digits: str) -> int:
     if len(digits) > MOST_DIGITS:
         raise ValueError(f"a number of {len(digits)} digits")
     return int(digits)
+
+
+def _whole_or_infinite(digits: str) -> int | float:
+    return int(digits) if len(digits) <= MOST_DIGITS else float(digits)

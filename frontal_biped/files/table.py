@@ -7,6 +7,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from frontal_biped.exceptions import ScenarioError
+from frontal_biped.files.quoted import quoted
 from frontal_biped.files.toml import as_finite, reject_unknown_keys, respelt_keys
 
 
@@ -47,7 +48,7 @@ class Table:
     def __init__(self, where: str, content: Any, known: tuple[str, ...] | None) -> None:
         self.where = where
         if not isinstance(content, dict):
-            raise ScenarioError(f"{where} = {_short(content)} is not a table; write its keys below {where.split()[-1]}")
+            raise ScenarioError(f"{where} = {quoted(content)} is not a table; write its keys below {where.split()[-1]}")
         if known is not None:
             content = respelt_keys(content, known)
             reject_unknown_keys(where.rstrip(":"), content, known, ScenarioError)
@@ -58,7 +59,7 @@ class Table:
 
     def refuse(self, key: str, remedy: str) -> NoReturn:
         """Raise the complaint about a key."""
-        value = f" = {_short(self.content[key])}" if key in self.content else ""
+        value = f" = {quoted(self.content[key])}" if key in self.content else ""
         raise ScenarioError(f"{self.where} {key}{value}: {remedy}")
 
     def text(self, key: str, default: str, choices: tuple[str, ...] | None = None) -> str:
@@ -118,7 +119,7 @@ class Table:
         number = as_finite(value)
         example = f"write for example {key} = {_example(low, high):g}"
         if number is None:
-            self.refuse(key, f"{_short(value)} is not a finite number; {example}")
+            self.refuse(key, f"{quoted(value)} is not a finite number; {example}")
         if not low <= number <= high:
             bounds = f"below {low:g}" if number < low else f"above {high:g}"
             self.refuse(key, f"{number:g} is {bounds} {unit}; {example}")
@@ -127,8 +128,3 @@ class Table:
 
 def _example(low: float, high: float) -> float:
     return low if low > 0.0 else (0.0 if high <= 0.0 else min(high, 0.01) if low == 0.0 else 0.5 * high)
-
-
-def _short(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
