@@ -1,5 +1,7 @@
 """Values of a file as a complaint shows them: in one line, short, and with nothing in it that a terminal would obey."""
 
+from collections.abc import Sequence
+
 MOST_SHOWN = 60
 """Characters of a value that are shown."""
 
@@ -13,3 +15,9 @@ def quoted(value: object) -> str:
     except ValueError:  # Python does not write a whole number of more than 4300 digits
         return "a number of thousands of digits"
     return text if len(text) <= MOST_SHOWN else f"{text[: MOST_SHOWN - 3]}..."
+
+
+def listed(names: Sequence[str], most: int = 20) -> str:
+    """Names with commas between them, the first ``most`` of them."""
+    shown = ", ".join(name if len(name) <= MOST_SHOWN else f"{name[: MOST_SHOWN - 3]}..." for name in names[:most])
+    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"
