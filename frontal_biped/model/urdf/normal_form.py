@@ -6,7 +6,8 @@ that needs nothing of this stays as it is, byte for byte: the fingerprints of ga
 
     blanks around numbers              dropped, tabs and line breaks between them too
     a link that bears a joint's name   ..._link (names of links and of joints are apart in a URDF, not in Pinocchio)
-    a link called "world"              world_link (MuJoCo has a body of that name)
+    a link called "world"              world_link (MuJoCo has a body of that name, Pinocchio a frame called "universe"
+                                       and a joint called "root_joint"; fixed joints of these names get a _)
     a root link without mass from which the robot hangs by a floating joint
                                        the joint is fixed: the robot floats anyway
     a continuous joint with limits of effort and speed
@@ -35,6 +36,9 @@ from frontal_biped.model.urdf.numbers_of_text import number_texts, plain_spellin
 GEOMETRIES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "mesh": ("filename",)}
 """What a ``<geometry>`` may hold for all readers, and the attributes that it must have."""
 
+_OF_PINOCCHIO = ("universe", "root_joint")
+"""Names that Pinocchio gives itself, the second because we ask for it."""
+
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 _BROKEN_ATTRIBUTE = re.compile(r"""=\s*("[^"<]*[\t\r\n][^"<]*"|'[^'<]*[\t\r\n][^'<]*')""")
@@ -58,6 +62,7 @@ def normal_form(text: str, root: ElementTree.Element) -> str:
         _blanks_dropped(root),
         _floating_root_fixed(root),
         _turns_bounded(root),
+        _fixed_joints_renamed(root),
         _links_renamed(root),
         _materials_named(root),
         _capsules_parted(root),
@@ -122,11 +127,23 @@ def _turns_bounded(root: ElementTree.Element) -> bool:
     return changed
 
 
+def _fixed_joints_renamed(root: ElementTree.Element) -> bool:
+    joints = root.findall("joint")
+    taken = {joint.get("name", "") for joint in joints}
+    renamed = [joint for joint in joints if joint.get("type") == "fixed" and joint.get("name") in _OF_PINOCCHIO]
+    for joint in renamed:
+        new = f"{joint.get('name')}_"
+        while new in taken:
+            new += "_"
+        joint.set("name", new)
+    return bool(renamed)
+
+
 def _links_renamed(root: ElementTree.Element) -> bool:
     joints = {joint.get("name", "") for joint in root.findall("joint")}
     links = {link.get("name", "") for link in root.findall("link")}
     renamed = {}
-    for name in sorted((joints | {"world"}) & links):
+    for name in sorted((joints | {"world", *_OF_PINOCCHIO}) & links):
         new = f"{name}_link"
         while new in links | joints:
             new += "_"

@@ -23,7 +23,7 @@ LARGEST = {
     **dict.fromkeys(("xyz", "size", "radius", "length"), 1e6),  # [m]; a file in millimetres is still told as one
     "rpy": 1e4,  # [rad]
     "value": 1e6,  # [kg]
-    **dict.fromkeys(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), 1e12),  # [kg m^2]; much of it is of millimetres
+    **dict.fromkeys(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), 1e12),  # [kg m^2], of millimetres
     "scale": 1e6,
 }
 """Size from which on a number is none of a robot, and its products would overflow. Limits may be as high as they like."""
