@@ -26,7 +26,7 @@ LARGEST = {
     **dict.fromkeys(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), 1e12),  # [kg m^2], of millimetres
     "scale": 1e6,
 }
-"""Size from which on a number is none of a robot, and its products would overflow. Limits may be as high as they like."""
+"""Size from which on a number is none of a robot, and its products would overflow. Limits may be of any size."""
 
 OF_LINK = {
     "origin": {"xyz": 3, "rpy": 3},

@@ -20,6 +20,7 @@ from frontal_biped.model.urdf.numbers_of_text import number_texts, numbers
 
 MAX_URDF_BYTES = 20_000_000  # the largest humanoid URDF seen is 0.3 MB
 MAX_LINKS = 1000  # the largest humanoid URDF seen has 150; Pinocchio takes seconds for some thousands
+MAX_SHAPES = 1000  # visual and collision shapes; the most seen are 105
 LONGEST_NAME = 200  # characters of a link or joint; the longest seen has 60
 MAX_DEPTH = 40  # of nested elements; a URDF needs 6, and parsers that recurse must not be led deeper
 LEAST_MASS = 1e-3  # [kg] of the whole robot
@@ -65,7 +66,7 @@ def read_urdf(path: Path) -> str:
         raise _is_xacro(path)
     if not root.get("name"):
         raise RobotError(f'{path}: the <robot> has no name; write <robot name="...">')
-    _check_names(path, root)
+    _check_sizes(path, root)
     for where, element, key, count in number_texts(str(path), root):
         numbers(where, element, key, count)
     _check_links(path, root)
@@ -105,8 +106,8 @@ def _is_xacro(path: Path) -> RobotError:
     return RobotError(f"{path}: this is a xacro file; run `xacro {path.name} > robot.urdf` first, and give robot.urdf")
 
 
-def _check_names(path: Path, root: ElementTree.Element) -> None:
-    """Their number and length, before anything is done for each of them."""
+def _check_sizes(path: Path, root: ElementTree.Element) -> None:
+    """How many links, joints and shapes, and how long their names, before anything is done for each of them."""
     for kind in ("link", "joint"):
         parts = root.findall(kind)
         if len(parts) > MAX_LINKS:
@@ -117,6 +118,10 @@ def _check_names(path: Path, root: ElementTree.Element) -> None:
             name = part.get("name", "")
             if len(name) > LONGEST_NAME:
                 raise RobotError(f"{path}: the {kind} {quoted(name)} has a name of {len(name)} characters; shorten it")
+
+    shapes = sum(len(link.findall("visual")) + len(link.findall("collision")) for link in root.findall("link"))
+    if shapes > MAX_SHAPES:
+        raise RobotError(f"{path}: {shapes} shapes; at most {MAX_SHAPES} are read, put them together in meshes")
 
 
 def _check_links(path: Path, root: ElementTree.Element) -> None:
