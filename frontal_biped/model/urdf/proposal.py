@@ -24,7 +24,7 @@ from frontal_biped.model.urdf.draft import (
 from frontal_biped.model.urdf.legs import Legs
 from frontal_biped.model.urdf.posture import Posture, find_posture
 from frontal_biped.model.urdf.read import read_urdf
-from frontal_biped.model.urdf.whole_model import build_model, posture_configuration
+from frontal_biped.model.urdf.whole_model import build_model, posture_configuration, require_joints
 
 
 def propose_description(urdf: Path) -> Proposal:
@@ -57,6 +57,7 @@ def propose_posture(path: Path) -> Proposal:
     description = read_description(path)
     text = read_urdf(description.urdf)
     full = build_model(description, text)
+    require_joints(full, description, text)
     legs = legs_of(description, full)
     start = {**reachable(full), **description.posture}
     return _complete(replace(description, posture=start), full, legs, text, [], [], keep=description)

@@ -48,7 +48,7 @@ def build_described_model(description: RobotDescription, urdf_text: str) -> pin.
         RobotError: Pinocchio cannot read the URDF, or a joint that the description names does not exist.
     """
     full = build_model(description, urdf_text)
-    _check_names(full, description, urdf_text)
+    require_joints(full, description, urdf_text)
     behind_root = full.joints[full.getJointId(ROOT)].nv
     full.armature[behind_root:] = description.other_armature
     for key, name in description.joints.items():
@@ -97,7 +97,8 @@ def posture_configuration(full: pin.Model, description: RobotDescription) -> Flo
     return posture
 
 
-def _check_names(full: pin.Model, description: RobotDescription, urdf_text: str) -> None:
+def require_joints(full: pin.Model, description: RobotDescription, urdf_text: str) -> None:
+    """Raise RobotError where a joint that the description names is none, or fixed."""
     names = [name for name in full.names[1:] if name != ROOT]
     fixed = {
         joint.get("name")
