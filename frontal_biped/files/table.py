@@ -7,8 +7,11 @@ from typing import Any, NoReturn
 import numpy as np
 
 from frontal_biped.exceptions import ScenarioError
-from frontal_biped.files.quoted import quoted
+from frontal_biped.files.quoted import MOST_SHOWN, quoted
 from frontal_biped.files.toml import as_finite, reject_unknown_keys, respelt_keys
+
+LONGEST_TEXT = 1000
+"""Characters of a text in a scenario file."""
 
 
 @dataclass(frozen=True)
@@ -60,13 +63,14 @@ class Table:
     def refuse(self, key: str, remedy: str) -> NoReturn:
         """Raise the complaint about a key."""
         value = f" = {quoted(self.content[key])}" if key in self.content else ""
-        raise ScenarioError(f"{self.where} {key}{value}: {remedy}")
+        name = key if key.isprintable() and len(key) <= MOST_SHOWN else quoted(key)
+        raise ScenarioError(f"{self.where} {name}{value}: {remedy}")
 
     def text(self, key: str, default: str, choices: tuple[str, ...] | None = None) -> str:
         """A string, perhaps one of a few."""
         value = self.content.get(key, default)
         listed = f"write one of {', '.join(choices)}" if choices else f'write {key} = "..."'
-        if not isinstance(value, str) or not (value.isprintable() and value):
+        if not isinstance(value, str) or not (value.isprintable() and 0 < len(value) <= LONGEST_TEXT):
             self.refuse(key, f"not text; {listed}")
         if choices and value not in choices:
             self.refuse(key, f"unknown; {listed}")

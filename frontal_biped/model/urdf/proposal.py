@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
+from frontal_biped.exceptions import RobotError
 from frontal_biped.model.urdf.description import RobotDescription, Sole, read_description
 from frontal_biped.model.urdf.description_text import description_text
 from frontal_biped.model.urdf.draft import (
@@ -78,6 +79,8 @@ def _complete(
     given = {} if keep is None else keep.posture
     ends = None if sole is None else (sole.heel, sole.toe)
     posture = find_posture(full, legs, draft.joints, start, ends, tuple(given))
+    if not np.isfinite([*posture.base_rpy, *posture.angles.values(), posture.com_x, posture.axis_error]).all():
+        raise RobotError(f"{draft.urdf}: no posture can be computed; look at its masses, lengths and limits")
     draft = replace(draft, posture=rounded(full, draft, posture.angles), base_rpy=rounded_rpy(posture.base_rpy))
     notes.append(_posture_note(posture))
     if not posture.aligned:
