@@ -45,7 +45,7 @@ def description_text(
     if any(armature.values()):
         lines += ["", head("armature"), *(f"{key} = {_value(value)}" for key, value in armature.items())]
     if description.gait:
-        lines += ["", head("gait"), *(f"{key} = {_value(value)}" for key, value in description.gait.items())]
+        lines += ["", head("gait"), *(f"{_key(key)} = {_value(value)}" for key, value in description.gait.items())]
     return "\n".join(lines) + "\n"
 
 
