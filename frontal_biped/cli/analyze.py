@@ -3,7 +3,7 @@
 import argparse
 import os
 
-from frontal_biped.cli.arguments import add_gait, add_json, add_robot, add_verbose, positive_int
+from frontal_biped.cli.arguments import add_gait, add_json, add_robot, add_verbose, processes
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
 from frontal_biped.cli.output import emit
 from frontal_biped.cli.progress import Progress
@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--jobs",
         metavar="N",
-        type=positive_int,
+        type=processes,
         default=len(os.sched_getaffinity(0)),
         help="worker processes for the robustness card; default: the processors there are",
     )

@@ -6,6 +6,19 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from frontal_biped.files.quoted import quoted
+
+MOST_COUNTED = 1_000_000
+"""Of what a number on the command line counts: steps, trials, starts; more is never meant, and would not end."""
+
+MOST_PROCESSES = 1000
+"""That ``--jobs`` may ask for."""
+
+LARGEST_SEED = 2**63 - 1
+
+LARGEST_SIDE = 10_000
+"""Of a picture, in pixels."""
+
 Arguments = argparse._ActionsContainer
 """A parser, or a group of its arguments."""
 
@@ -39,7 +52,7 @@ def add_robot(to: Arguments, default: str | None = None) -> None:
 
 def add_jobs(to: Arguments) -> None:
     """``--jobs``, one by default; see `workers`."""
-    add_value(to, "--jobs", "N", positive_int, "1", "worker processes")
+    add_value(to, "--jobs", "N", processes, "1", "worker processes")
 
 
 def add_json(to: Arguments) -> None:
@@ -73,7 +86,7 @@ def file_ending(ending: str) -> Callable[[str], Path]:
 
     def file(text: str) -> Path:
         path = Path(text)
-        if path.is_dir() or text.endswith(("/", os.sep)):
+        if _is_folder(path) or text.endswith(("/", os.sep)):
             raise argparse.ArgumentTypeError(f"{text!r} is a directory; name a file in it that ends in {ending}")
         if path.suffix.lower() != ending:
             raise argparse.ArgumentTypeError(f"{text!r} does not end in {ending}; write {path.with_suffix(ending)}")
@@ -85,30 +98,47 @@ def file_ending(ending: str) -> Callable[[str], Path]:
 def folder(text: str) -> Path:
     """A folder to write into; a name that ends as a file does is taken for a mistake."""
     path = Path(text)
-    if path.suffix.lower() in _FILE_ENDINGS and not path.is_dir():
+    if path.suffix.lower() in _FILE_ENDINGS and not _is_folder(path):
         raise argparse.ArgumentTypeError(f"{text!r} ends as a file does; write the folder, {path.with_suffix('')}")
     return path
+
+
+def _is_folder(path: Path) -> bool:
+    """Is it there, and a folder? A name that is too long for the file system is none."""
+    try:
+        return path.is_dir()
+    except OSError:
+        return False
 
 
 _FILE_ENDINGS = (".npz", ".json", ".csv", ".html", ".svg", ".pdf", ".png", ".gif", ".toml", ".urdf", ".txt", ".xml")
 
 
 def positive_int(text: str) -> int:
-    """1, 2, ..."""
-    try:
-        value = int(text)
-    except ValueError:
-        value = 0
-    if value <= 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a positive whole number")
-    return value
+    """1, 2, ... up to `MOST_COUNTED`."""
+    return _whole(text, "a positive whole number", 1, MOST_COUNTED)
+
+
+def processes(text: str) -> int:
+    """Worker processes, up to `MOST_PROCESSES`."""
+    return _whole(text, "a positive whole number", 1, MOST_PROCESSES)
 
 
 def whole_number(text: str) -> int:
-    """0, 1, ..."""
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number")
-    return int(text)
+    """0, 1, ... up to `LARGEST_SEED`."""
+    return _whole(text, "a whole number", 0, LARGEST_SEED)
+
+
+def _whole(text: str, what: str, low: int, high: int) -> int:
+    digits = text.removeprefix("+")
+    if not (digits.isascii() and digits.isdecimal()):
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is not {what}")
+    value = int(digits) if len(digits) <= len(str(high)) else high + 1
+    if value < low:
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is not {what}")
+    if value > high:
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is more than {high}, the most there may be")
+    return value
 
 
 def port(text: str) -> int:
@@ -125,7 +155,7 @@ def finite_float(text: str) -> float:
     except ValueError:
         value = float("nan")
     if not abs(value) < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is not a finite number")
     return value
 
 
@@ -133,7 +163,7 @@ def positive_float(text: str) -> float:
     """A finite number above 0."""
     value = finite_float(text)
     if value <= 0.0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not positive")
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is not positive")
     return value
 
 
@@ -141,7 +171,7 @@ def not_negative_float(text: str) -> float:
     """A finite number, 0 or more."""
     value = finite_float(text)
     if value < 0.0:
-        raise argparse.ArgumentTypeError(f"{text!r} is negative")
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is negative")
     return value
 
 
@@ -156,7 +186,11 @@ def figure_formats(text: str) -> tuple[str, ...]:
 
 def size(text: str) -> tuple[int, int]:
     """Width and height in pixels, as in 1280x800."""
-    width, _, height = text.partition("x")
-    if not (width.isdecimal() and height.isdecimal() and min(int(width), int(height)) >= 100):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a size like 1280x800, 100 pixels or more")
-    return int(width), int(height)
+    sides = text.split("x")
+    if len(sides) != 2 or not all(
+        side.isascii() and side.isdecimal() and len(side) <= 9 and 100 <= int(side) <= LARGEST_SIDE for side in sides
+    ):
+        raise argparse.ArgumentTypeError(
+            f"{quoted(text)} is not a size like 1280x800, from 100 to {LARGEST_SIDE} pixels either way"
+        )
+    return int(sides[0]), int(sides[1])

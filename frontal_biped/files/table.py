@@ -7,7 +7,11 @@ from typing import Any, NoReturn
 import numpy as np
 
 from frontal_biped.exceptions import ScenarioError
+from frontal_biped.files.quoted import MOST_SHOWN, quoted
 from frontal_biped.files.toml import as_finite, reject_unknown_keys, respelt_keys
+
+LONGEST_TEXT = 1000
+"""Characters of a text in a scenario file."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +51,7 @@ class Table:
     def __init__(self, where: str, content: Any, known: tuple[str, ...] | None) -> None:
         self.where = where
         if not isinstance(content, dict):
-            raise ScenarioError(f"{where} = {_short(content)} is not a table; write its keys below {where.split()[-1]}")
+            raise ScenarioError(f"{where} = {quoted(content)} is not a table; write its keys below {where.split()[-1]}")
         if known is not None:
             content = respelt_keys(content, known)
             reject_unknown_keys(where.rstrip(":"), content, known, ScenarioError)
@@ -58,14 +62,15 @@ class Table:
 
     def refuse(self, key: str, remedy: str) -> NoReturn:
         """Raise the complaint about a key."""
-        value = f" = {_short(self.content[key])}" if key in self.content else ""
-        raise ScenarioError(f"{self.where} {key}{value}: {remedy}")
+        value = f" = {quoted(self.content[key])}" if key in self.content else ""
+        name = key if key.isprintable() and len(key) <= MOST_SHOWN else quoted(key)
+        raise ScenarioError(f"{self.where} {name}{value}: {remedy}")
 
     def text(self, key: str, default: str, choices: tuple[str, ...] | None = None) -> str:
         """A string, perhaps one of a few."""
         value = self.content.get(key, default)
         listed = f"write one of {', '.join(choices)}" if choices else f'write {key} = "..."'
-        if not isinstance(value, str) or not (value.isprintable() and value):
+        if not isinstance(value, str) or not (value.isprintable() and 0 < len(value) <= LONGEST_TEXT):
             self.refuse(key, f"not text; {listed}")
         if choices and value not in choices:
             self.refuse(key, f"unknown; {listed}")
@@ -118,7 +123,7 @@ class Table:
         number = as_finite(value)
         example = f"write for example {key} = {_example(low, high):g}"
         if number is None:
-            self.refuse(key, f"{_short(value)} is not a finite number; {example}")
+            self.refuse(key, f"{quoted(value)} is not a finite number; {example}")
         if not low <= number <= high:
             bounds = f"below {low:g}" if number < low else f"above {high:g}"
             self.refuse(key, f"{number:g} is {bounds} {unit}; {example}")
@@ -127,8 +132,3 @@ class Table:
 
 def _example(low: float, high: float) -> float:
     return low if low > 0.0 else (0.0 if high <= 0.0 else min(high, 0.01) if low == 0.0 else 0.5 * high)
-
-
-def _short(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."

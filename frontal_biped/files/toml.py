@@ -1,35 +1,46 @@
 """Read tables of a TOML file strictly: unknown keys and wrong types are errors that say what would be right."""
 
+import codecs
 import difflib
 import math
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from frontal_biped.exceptions import FrontalBipedError
+from frontal_biped.files.quoted import quoted
+from frontal_biped.files.reading import read_bytes
 from frontal_biped.files.spelling import respelt
 
 MAX_TOML_BYTES = 1_000_000  # a description or specification has a few thousand
+
+MOST_DOTS = 50
+"""Of a key; the parser's time grows with their square, and a scenario has two."""
+
+_DOTTED = re.compile(rf"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){{{MOST_DOTS}}}""")
+
+LONGEST_KEY = 60
+"""Characters of a key that may be known in another spelling."""
 
 
 def load_toml(path: Path, error: type[FrontalBipedError]) -> dict[str, Any]:
     """The tables of a TOML file; raises ``error`` in one line when it is missing or malformed."""
     try:
-        if path.exists() and not path.is_file() and not path.is_dir():
-            raise error(f"{path}: not a file but a device or a pipe; name a .toml file")  # reading would never end
-        if path.is_file() and path.stat().st_size > MAX_TOML_BYTES:
-            raise error(f"{path}: larger than {MAX_TOML_BYTES} bytes; is this a .toml file written for this program?")
-        with path.open("rb") as stream:
-            return tomllib.load(stream)
+        content = read_bytes(path, MAX_TOML_BYTES, error, ".toml file")
     except FileNotFoundError:
         raise error(f"{path}: no such file; check the path") from None
-    except IsADirectoryError:
-        raise error(f"{path}: a directory; name a .toml file in it") from None
+    try:
+        text = content.removeprefix(codecs.BOM_UTF8).decode("utf-8")
+        if _DOTTED.search(text):
+            raise ValueError(f"a key has more than {MOST_DOTS} dots")
+        return tomllib.loads(text)
     except RecursionError:
         raise error(f"{path}: not valid TOML, its values are nested too deep; mend the file there") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as cause:
-        raise error(f"{path}: not valid TOML, {cause}; mend the file there") from None
+    except ValueError as cause:  # of TOML, of UTF-8, and of whole numbers, whose words are about Python
+        told = "a whole number has thousands of digits" if "set_int_max_str_digits" in str(cause) else str(cause)
+        raise error(f"{path}: not valid TOML, {told}; mend the file there") from None
 
 
 def reject_unknown_keys(
@@ -39,14 +50,17 @@ def reject_unknown_keys(
     names = list(known)
     for key in table:
         if key not in names:
-            close = difflib.get_close_matches(key, names, n=1)
+            close = difflib.get_close_matches(key[:LONGEST_KEY], names, n=1)
             remedy = f"did you mean {close[0]!r}?" if close else f"known keys: {', '.join(names)}"
-            raise error(f"{where}: unknown key {key!r}; {remedy}")
+            raise error(f"{where}: unknown key {quoted(key)}; {remedy}")
 
 
 def respelt_keys(table: Mapping[str, Any], known: Iterable[str]) -> dict[str, Any]:
     """The table, with every known key that is there only in the other spelling, American or British, under its own."""
-    names = {key: respelt(key, known) for key in table}
+    known = list(known)
+    if len(table) > 2 * len(known):  # more than all there are in either spelling: some are unknown as they are
+        return dict(table)
+    names = {key: respelt(key, known) if len(key) <= LONGEST_KEY else key for key in table}
     return {key if names[key] in table else names[key]: value for key, value in table.items()}
 
 
@@ -54,7 +68,7 @@ def finite_number(where: str, value: object, error: type[FrontalBipedError]) -> 
     """A finite float; booleans and strings are refused."""
     number = as_finite(value)
     if number is None:
-        raise error(f"{where}: {repr(value)[:40]} is not a finite number; write for example 0.05")
+        raise error(f"{where}: {quoted(value)} is not a finite number; write for example 0.05")
     return number
 
 

@@ -11,8 +11,9 @@
     specification            what it was designed for, keys of a specification file
     provenance               versions, seed, solver status, residuals
 
-Numbers are written so that reading gives back the same bits. An unknown or missing field, a wrong shape or a number
-that is not finite is refused with file, field, value and remedy.
+Numbers are written so that reading gives back the same bits. An unknown or missing field, a wrong shape, a text that is
+not one line, a number that is not finite or out of its range (`gait.ranges`) is refused with file, field, value and
+remedy.
 """
 
 import json
@@ -25,15 +26,25 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import GaitFileError, SpecificationError
 from frontal_biped.files.atomic import write_text
-from frontal_biped.files.kinds import GAIT, WORDS, named_kind
+from frontal_biped.files.kinds import GAIT, WORDS, archive_format, named_kind
+from frontal_biped.files.quoted import quoted
+from frontal_biped.files.reading import MOST_JSON_BYTES, load_json
 from frontal_biped.files.toml import as_finite
 from frontal_biped.gait.gait import Gait, OrbitNumbers, RobotReference
+from frontal_biped.gait.ranges import GAIT as RANGES
+from frontal_biped.gait.ranges import MOST_COEFFICIENTS, require_in_range
 from frontal_biped.gait.robot_path import found_description, stored_description
 from frontal_biped.gait.shipped import gait_path
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.virtual_constraints.phase import Phase
 
 VERSION = 1
+
+LONGEST_TEXT = 4096
+"""Characters of a text of the robot; what a path has at most."""
+
+MOST_PROVENANCE, DEEPEST_PROVENANCE = 10_000, 20
+"""Values of the provenance, and tables within tables; designs write some thirty, three deep."""
 
 
 def save_gait(gait: Gait, path: Path | str) -> None:
@@ -83,7 +94,7 @@ def gait_from_dict(table: Any, where: str) -> Gait:
         )
     if isinstance(table.get("version"), bool) or table.get("version") != VERSION:  # JSON's true equals 1 in Python
         raise GaitFileError(
-            f'{where}: "version" is {table.get("version")!r}, this program reads {VERSION}; design it again'
+            f'{where}: "version" is {quoted(table.get("version"))}, this program reads {VERSION}; design it again'
         )
     reader = _Reader(where)
     known = ("format", "version", "robot", "rising", "falling", "step_width", "orbit", "specification", "provenance")
@@ -95,17 +106,14 @@ def gait_from_dict(table: Any, where: str) -> Gait:
         raise GaitFileError(f"{where}: rising: beta_start must be below beta_end, rising means dbeta > 0")
     if not falling.beta_start > falling.beta_end:
         raise GaitFileError(f"{where}: falling: beta_start must be above beta_end, falling means dbeta < 0")
-    step_width = reader.number(table, "", "step_width")
-    if step_width <= 0.0:
-        raise GaitFileError(f"{where}: step_width = {step_width:g} m must be positive")
     return Gait(
         RobotReference(*(reader.text(robot, "robot", key) for key in ("name", "description", "fingerprint"))),
         rising,
         falling,
-        step_width,
+        reader.number(table, "", "step_width"),
         OrbitNumbers(*(reader.number(orbit, "orbit", key) for key in OrbitNumbers.__dataclass_fields__)),
         reader.specification(table),
-        reader.table(table, "provenance", None),
+        reader.provenance(table),
     )
 
 
@@ -123,19 +131,22 @@ def _phase_to_dict(phase: Phase) -> dict[str, Any]:
 
 
 def _load_json(path: Path) -> Any:
-    other = named_kind(path)
+    other = _other_kind(path)
     if other is not None and other != WORDS[GAIT]:
         raise GaitFileError(f"{path}: is {other}, not {WORDS[GAIT]}; write one with `frontal-biped design`")
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        return load_json(path, GaitFileError, "is the file cut off? design the gait again", finite=False)
     except FileNotFoundError:
         raise GaitFileError(
             f"{path}: no such gait file; write one with `frontal-biped design -o {path.name}`"
         ) from None
-    except IsADirectoryError:
-        raise GaitFileError(f"{path}: a directory; name the gait file in it") from None
-    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise GaitFileError(f"{path}: not valid JSON, {error}; is the file cut off? design the gait again") from None
+
+
+def _other_kind(path: Path) -> str | None:
+    """What a file is, in words; only archives may be large."""
+    if path.is_file() and path.stat().st_size > MOST_JSON_BYTES:
+        return WORDS.get(archive_format(path))
+    return named_kind(path)
 
 
 class _Reader:
@@ -148,7 +159,9 @@ class _Reader:
         for key in table:
             if key not in known:
                 place = f"{section}: " if section else ""
-                raise GaitFileError(f"{self.where}: {place}unknown field {key!r}; known fields: {', '.join(known)}")
+                raise GaitFileError(
+                    f"{self.where}: {place}unknown field {quoted(key)}; known fields: {', '.join(known)}"
+                )
 
     def table(self, parent: dict[str, Any], key: str, known: tuple[str, ...] | None) -> dict[str, Any]:
         if not isinstance(parent.get(key), dict):
@@ -159,15 +172,24 @@ class _Reader:
         return table
 
     def text(self, table: dict[str, Any], section: str, key: str) -> str:
-        if not isinstance(table.get(key), str):
-            raise GaitFileError(f"{self.where}: {section}.{key} = {table.get(key)!r} is not text")
-        return str(table[key])
+        value = table.get(key)
+        if not isinstance(value, str):
+            raise GaitFileError(f"{self.where}: {section}.{key} = {quoted(value)} is not text")
+        if not value.isprintable() or len(value) > LONGEST_TEXT:
+            raise GaitFileError(
+                f"{self.where}: {section}.{key} = {quoted(value)} is not one line of at most {LONGEST_TEXT} printable"
+                " characters; write it so"
+            )
+        return value
 
     def number(self, table: dict[str, Any], section: str, key: str) -> float:
         name = f"{section}.{key}" if section else key
         value = as_finite(table.get(key))
         if value is None:
-            raise GaitFileError(f"{self.where}: {name} = {_short(table.get(key))} is not a finite number")
+            raise GaitFileError(f"{self.where}: {name} = {quoted(table.get(key))} is not a finite number")
+        if key in _POSITIVE and value <= 0.0:
+            raise GaitFileError(f"{self.where}: {name} = {value:g} must be positive; design the gait again")
+        require_in_range(f"{self.where}: {name}", value, RANGES[key], GaitFileError)
         return value
 
     def phase(self, table: dict[str, Any], name: str) -> Phase:
@@ -178,6 +200,12 @@ class _Reader:
                 f"{self.where}: {name}.joint_bezier has shape {joints.shape}, not 3 rows (stance hip, swing hip,"
                 " swing ankle) of at least 4 coefficients"
             )
+        for row, key in ((joints[0], "joint_bezier"), (fri, "fri_bezier")):
+            if row.size > MOST_COEFFICIENTS:
+                raise GaitFileError(
+                    f"{self.where}: {name}.{key} has {row.size} coefficients, more than {MOST_COEFFICIENTS}; they do"
+                    " not determine a polynomial of such a degree, write some of a lower one"
+                )
         if fri.ndim != 1 or fri.size < 2:
             raise GaitFileError(f"{self.where}: {name}.fri_bezier has shape {fri.shape}, not one row of at least 2")
         return Phase(self.number(fields, name, "beta_start"), self.number(fields, name, "beta_end"), joints, fri)
@@ -188,6 +216,25 @@ class _Reader:
         except SpecificationError as error:
             raise GaitFileError(str(error)) from None
 
+    def provenance(self, table: dict[str, Any]) -> dict[str, Any]:
+        """Any JSON, so that it can be written again and shown."""
+        found = self.table(table, "provenance", None)
+        left: list[tuple[Any, int]] = [(found, 0)]
+        seen = 0
+        while left:
+            value, depth = left.pop()
+            parts = list(value.values()) if isinstance(value, dict) else value if isinstance(value, list) else []
+            seen += len(parts)
+            if seen > MOST_PROVENANCE or depth > DEEPEST_PROVENANCE:
+                raise GaitFileError(
+                    f"{self.where}: provenance has more than {MOST_PROVENANCE} values, or is more than"
+                    f" {DEEPEST_PROVENANCE} tables deep; keep in it how the gait was made"
+                )
+            if isinstance(value, int | float) and not isinstance(value, bool) and as_finite(value) is None:
+                raise GaitFileError(f"{self.where}: provenance holds {quoted(value)}, which is not a finite number")
+            left += [(part, depth + 1) for part in parts]
+        return found
+
     def array(self, table: dict[str, Any], section: str, key: str) -> FloatArray:
         name = f"{self.where}: {section}.{key}"
         value = table.get(key)
@@ -196,10 +243,11 @@ class _Reader:
         if not rows or len({(isinstance(row, list), len(flat)) for row, flat in zip(rows, nested, strict=True)}) != 1:
             raise GaitFileError(f"{name} is not an array of numbers with rows of equal length")
         for entry in (entry for flat in nested for entry in flat):
-            if as_finite(entry) is None:
-                raise GaitFileError(f"{name} holds {_short(entry)}, which is not a finite number; write plain numbers")
+            number = as_finite(entry)
+            if number is None:
+                raise GaitFileError(f"{name} holds {quoted(entry)}, which is not a finite number; write plain numbers")
+            require_in_range(name, number, RANGES[key], GaitFileError)
         return np.array(rows, dtype=float)
 
 
-def _short(value: object) -> str:
-    return repr(value)[:40]
+_POSITIVE = ("step_width", *OrbitNumbers.__dataclass_fields__)

@@ -39,7 +39,9 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import SpecificationError
+from frontal_biped.files.quoted import quoted
 from frontal_biped.files.toml import finite_number, load_toml, reject_unknown_keys
+from frontal_biped.gait.ranges import SPECIFICATION, require_in_range
 from frontal_biped.model.biped import FrontalBiped
 
 
@@ -74,7 +76,7 @@ class GaitSpecification:
             None: free.
 
     Raises:
-        SpecificationError: a value is out of range; the message names key and value.
+        SpecificationError: a value is out of range (see `gait.ranges` also); the message names key and value.
     """
 
     degree: int | tuple[int, int, int] = 5
@@ -100,7 +102,8 @@ class GaitSpecification:
     def __post_init__(self) -> None:
         degrees = self.degree if isinstance(self.degree, tuple | list) else (self.degree,)
         if len(degrees) not in (1, 3):
-            raise SpecificationError(f"degree = {list(degrees)} is neither one number nor a list of 3, one an output")
+            shown = quoted(list(degrees))
+            raise SpecificationError(f"degree = {shown} is neither one number nor a list of 3, one an output")
         for degree in degrees:
             _whole("degree", degree, *_DEGREES)
         if isinstance(self.degree, list):
@@ -145,6 +148,11 @@ class GaitSpecification:
                     f"cop_margin_x = {margin:g} must not be negative; 0 lets it go to toe and heel"
                 )
             object.__setattr__(self, "cop_margin_x", margin)
+        for key, allowed in SPECIFICATION.items():
+            value = getattr(self, key)
+            for part in value if isinstance(value, tuple) else (value,):
+                if part is not None:
+                    require_in_range(key, part, allowed, SpecificationError)
 
     def __repr__(self) -> str:
         """What differs from the reference specification."""
@@ -227,10 +235,10 @@ _NUMBERS = {
 
 def _whole(key: str, value: object, low: int, high: int) -> None:
     if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
-        raise SpecificationError(f"{key} = {value!r} is not a whole number from {low} to {high}")
+        raise SpecificationError(f"{key} = {quoted(value)} is not a whole number from {low} to {high}")
 
 
 def _tuple(key: str, value: object, size: int) -> tuple[Any, ...]:
     if not isinstance(value, list | tuple) or len(value) != size:
-        raise SpecificationError(f"{key} = {value!r} is not a list of {size} numbers")
+        raise SpecificationError(f"{key} = {quoted(value)} is not a list of {size} numbers")
     return tuple(finite_number(f"{key}[{i}]", part, SpecificationError) for i, part in enumerate(value))

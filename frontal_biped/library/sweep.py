@@ -9,19 +9,23 @@
     max_pelvis_roll = {from = 0.08, to = 0.20, count = 7}
 
 A range is spaced evenly, both ends included. A key of the specification stands in one of the two sections, not in both.
+A specification's keys are checked one by one, so an axis is checked by itself, and the grid is not built for it.
 """
 
 import itertools
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from frontal_biped.exceptions import FrontalBipedError, SpecificationError
+from frontal_biped.exceptions import SpecificationError
+from frontal_biped.files.quoted import quoted
 from frontal_biped.files.toml import finite_number, load_toml, reject_unknown_keys
 from frontal_biped.gait.specification import GaitSpecification
 
 DEFAULT_BATCH = 20
-MAX_POINTS = 1_000_000
+MAX_POINTS = 100_000  # days of designing
 _KEYS = ("robot", "batch", "specification", "sweep")
 _SPECIFICATION_KEYS = tuple(field.name for field in fields(GaitSpecification))
 
@@ -34,13 +38,18 @@ class GridPoint:
         number: place in the grid, from 0.
         robot: name or path.
         swept: the axes' values here.
-        specification: the whole specification.
+        shared: specification keys that all points share.
     """
 
     number: int
     robot: str
-    swept: dict[str, Any]
-    specification: GaitSpecification
+    swept: Mapping[str, Any]
+    shared: Mapping[str, Any]
+
+    @property
+    def specification(self) -> GaitSpecification:
+        """The whole specification, made when it is asked for: a large grid is listed long before."""
+        return GaitSpecification.from_dict({**self.shared, **self.swept}, f"point {self.number}")
 
 
 @dataclass(frozen=True)
@@ -61,15 +70,14 @@ class Sweep:
 
     def points(self) -> tuple[GridPoint, ...]:
         """The grid, in order."""
+        return self._grid
+
+    @cached_property
+    def _grid(self) -> tuple[GridPoint, ...]:
         keys = list(self.axes)
         grid = itertools.product(self.robots, *self.axes.values())
         return tuple(
-            GridPoint(
-                number,
-                robot,
-                dict(zip(keys, values, strict=True)),
-                GaitSpecification.from_dict({**self.shared, **dict(zip(keys, values, strict=True))}, f"point {number}"),
-            )
+            GridPoint(number, robot, dict(zip(keys, values, strict=True)), self.shared)
             for number, (robot, *values) in enumerate(grid)
         )
 
@@ -108,27 +116,32 @@ def sweep_from_dict(table: dict[str, Any], where: str) -> Sweep:
     reject_unknown_keys(where, table, _KEYS, SpecificationError)
     robots = table.get("robot", "frontal_biped")
     robots = [robots] if isinstance(robots, str) else robots
-    if not isinstance(robots, list) or not robots or not all(isinstance(robot, str) for robot in robots):
-        raise SpecificationError(f"{where}: robot = {table.get('robot')!r} is neither a name nor a list of names")
+    if not isinstance(robots, list) or not robots or not all(map(_is_name, robots)):
+        raise SpecificationError(f"{where}: robot = {quoted(table['robot'])} is neither a name nor a list of names")
     batch = table.get("batch", DEFAULT_BATCH)
-    if isinstance(batch, bool) or not isinstance(batch, int) or batch < 1:
-        raise SpecificationError(f"{where}: batch = {batch!r} is not a whole number of at least 1")
+    if isinstance(batch, bool) or not isinstance(batch, int) or not 1 <= batch <= MAX_POINTS:
+        raise SpecificationError(f"{where}: batch = {quoted(batch)} is not a whole number from 1 to {MAX_POINTS}")
     shared = _table(where, table, "specification")
-    axes = {key: _axis(f"{where}: sweep.{key}", value) for key, value in _table(where, table, "sweep").items()}
-    both = sorted(set(shared) & set(axes))
+    GaitSpecification.from_dict(shared, f"{where}: specification")
+    swept = _table(where, table, "sweep")
+    both = sorted(set(shared) & set(swept))
     if both:
         raise SpecificationError(f"{where}: {both[0]} stands in [specification] and in [sweep]; keep one of them")
     count = len(robots)
-    for values in axes.values():
-        count *= len(values)
+    for key, value in swept.items():  # counted before any range is written out
+        count *= _length(f"{where}: sweep.{key}", value)
     if count > MAX_POINTS:
         raise SpecificationError(f"{where}: the grid has {count} points, more than {MAX_POINTS}; split the sweep")
-    sweep = Sweep(tuple(robots), shared, axes, batch)
-    try:
-        sweep.points()
-    except FrontalBipedError as error:
-        raise SpecificationError(f"{where}: {error}") from None
-    return sweep
+    axes = {key: _axis(f"{where}: sweep.{key}", value) for key, value in swept.items()}
+    for key, values in axes.items():
+        # what a specification allows of a number is an interval: of an even range its ends tell
+        for value in values if isinstance(swept[key], list) else (values[0], values[-1]):
+            GaitSpecification.from_dict({key: value}, f"{where}: sweep")
+    return Sweep(tuple(robots), shared, axes, batch)
+
+
+def _is_name(robot: object) -> bool:
+    return isinstance(robot, str) and robot.isprintable() and robot != ""
 
 
 def _table(where: str, table: dict[str, Any], section: str) -> dict[str, Any]:
@@ -139,21 +152,31 @@ def _table(where: str, table: dict[str, Any], section: str) -> dict[str, Any]:
     return dict(part)
 
 
-def _axis(where: str, value: Any) -> tuple[Any, ...]:
-    if isinstance(value, list) and value:
-        return tuple(value)
-    if not isinstance(value, dict):
+def _length(where: str, axis: Any) -> int:
+    """How many values an axis has."""
+    if isinstance(axis, list) and axis:
+        return len(axis)
+    if not isinstance(axis, dict):
         raise SpecificationError(
-            f"{where} = {value!r} is no axis; write a list of values or {{from = 0.1, to = 0.2, count = 5}}"
+            f"{where} = {quoted(axis)} is no axis; write a list of values or {{from = 0.1, to = 0.2, count = 5}}"
         )
-    reject_unknown_keys(where, value, ("from", "to", "count"), SpecificationError)
+    reject_unknown_keys(where, axis, ("from", "to", "count"), SpecificationError)
     for key in ("from", "to", "count"):
-        if key not in value:
+        if key not in axis:
             raise SpecificationError(f"{where}: {key!r} is missing; write {{from = 0.1, to = 0.2, count = 5}}")
+    count = axis["count"]
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MAX_POINTS:
+        raise SpecificationError(
+            f"{where}.count = {quoted(count)} is not a whole number from 1 to {MAX_POINTS}; split the sweep"
+        )
+    return count
+
+
+def _axis(where: str, value: Any) -> tuple[Any, ...]:
+    if isinstance(value, list):
+        return tuple(value)
     low, high = (finite_number(f"{where}.{key}", value[key], SpecificationError) for key in ("from", "to"))
     count = value["count"]
-    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
-        raise SpecificationError(f"{where}.count = {count!r} is not a whole number of at least 1")
     if count == 1:
         return (low,)
     # a fixed number of digits: the grid says 0.1, not 0.09999999999999999

@@ -78,9 +78,11 @@ import numpy as np
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers.by_name import STABILISERS
 from frontal_biped.control.whole_body.settings import WholeBodySettings
-from frontal_biped.exceptions import ScenarioError
+from frontal_biped.exceptions import ScenarioError, SpecificationError
+from frontal_biped.files.quoted import quoted
 from frontal_biped.files.table import Table
-from frontal_biped.files.toml import load_toml
+from frontal_biped.files.toml import as_finite, load_toml
+from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.perturbation import LEGS, LINKS, ModelErrors
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.scenarios.moments import read_moment, tables_of
@@ -181,6 +183,10 @@ def _gait(path: Path, table: Table) -> Path | str | dict[str, Any] | None:
         return None
     value = table.content["gait"]
     if isinstance(value, dict):
+        try:
+            GaitSpecification.from_dict(value, "[gait]")
+        except SpecificationError as error:
+            raise ScenarioError(f"{path}: gait = {quoted(value)}: {error}") from None
         return dict(value)
     return _beside(path, table.text("gait", ""))
 
@@ -199,6 +205,9 @@ def _controller(path: Path, table: Table, in_space: bool) -> ControllerChoice:
         section.refuse("type", f'unknown; write one of {", ".join(CONTROLLERS)}, or "module:factory" of your own')
     arguments = Table(f"{path}: [controller.arguments]", section.content.get("arguments", {}), None)
     given = {key: value for key, value in section.content.items() if key in own}
+    for key, value in arguments.content.items():
+        if not _plain(value):
+            arguments.refuse(key, "neither number, text nor truth value, nor a list or table of them")
     if kind in CONTROLLERS and arguments.content:
         section.refuse("arguments", 'only your own factory takes them; write type = "module:factory"')
     others = [key for key in (*given, "stabiliser", "delay") if key in section]
@@ -213,6 +222,13 @@ def _controller(path: Path, table: Table, in_space: bool) -> ControllerChoice:
         settings={key: _setting(section, key, settings) for key in given},
         arguments=dict(arguments.content),
     )
+
+
+def _plain(value: Any) -> bool:
+    """Is it one that JSON has too, and so run files? TOML has dates as well, and numbers that are not finite."""
+    if isinstance(value, dict | list):
+        return all(map(_plain, value.values() if isinstance(value, dict) else value))
+    return isinstance(value, str | bool) or as_finite(value) is not None
 
 
 def _setting(section: Table, key: str, settings: type[ControllerSettings | WholeBodySettings]) -> Any:

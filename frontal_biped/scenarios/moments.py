@@ -7,8 +7,9 @@ from frontal_biped.files.table import Table
 from frontal_biped.scenarios.scenario import Moment
 
 _AT = re.compile(
-    r"(?:(?P<event>impact|reversal)|(?P<percent>\d+(?:\.\d+)?) ?% of the (?P<phase>rising|falling) phase)"
-    r" of step (?P<step>\d+)"
+    r"(?:(?P<event>impact|reversal)"
+    r"|(?P<percent>[0-9]{1,9}(?:\.[0-9]{1,30})?) ?% of the (?P<phase>rising|falling) phase)"
+    r" of step (?P<step>[0-9]{1,9})"
 )
 
 

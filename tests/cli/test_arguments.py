@@ -71,3 +71,37 @@ def test_what_follows_an_option_is_not_respelt():
     """A robot may be called as it likes."""
     assert make_parser().parse_args(["simulate", "--robot", "stabilizer", "analyse"]).robot == "stabilizer"
     assert str(make_parser().parse_args(["analyze", "analyse"]).gait) == "analyse"
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        (["simulate", "g1", "--steps", "1000000000000"], "is more than 1000000, the most"),
+        (["simulate", "g1", "--steps", "9" * 5000], "is more than 1000000, the most"),
+        (["simulate", "g1", "--steps", "0"], "'0' is not a positive whole number"),
+        (["simulate", "g1", "--steps", "1_0"], "'1_0' is not a positive whole number"),
+        (["simulate", "g1", "--steps", "\u0663"], "is not a positive whole number"),
+        (["simulate", "g1", "--seed", "9223372036854775808"], "is more than 9223372036854775807"),
+        (["simulate", "g1", "--seed", "-1"], "'-1' is not a whole number"),
+        (["simulate", "g1", "--rate", "x" * 5000], "is not a finite number"),
+        (["design", "--attempts", "1000001"], "is more than 1000000"),
+        (["trial", "s.toml", "--repeat", "1000001"], "is more than 1000000"),
+        (["trial", "s.toml", "--jobs", "1000000"], "is more than 1000, the most"),
+        (["library", "s.toml", "-o", "l", "--jobs", "1001"], "is more than 1000, the most"),
+        (["analyze", "g1", "--jobs", "1001"], "is more than 1000, the most"),
+        (["export", "g1", "-o", "a.png", "--size", "100000000x100000000"], "from 100 to 10000 pixels"),
+        (["export", "g1", "-o", "a.png", "--size", f"{'9' * 5000}x100"], "from 100 to 10000 pixels"),
+        (["design", "-o", f"{'x' * 5000}.txt"], "does not end in .json"),
+        (["plot", "g1", "-o", f"{'x' * 5000}.png"], "ends as a file does"),
+    ],
+)
+def test_numbers_that_nobody_means_are_refused_in_one_line(words, complaint, capsys):
+    assert main(words) == 2
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert error.count("\n") == 1 and complaint in error
+
+
+def test_the_largest_numbers_are_allowed():
+    parsed = make_parser().parse_args(["trial", "s.toml", "--repeat", "1000000", "--jobs", "+1000", "--seed", "007"])
+    assert (parsed.repeat, parsed.jobs, parsed.seed) == (1_000_000, 1000, 7)

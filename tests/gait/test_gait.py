@@ -10,6 +10,7 @@ import pytest
 from frontal_biped.exceptions import GaitFileError
 from frontal_biped.gait.file import load_gait, save_gait
 from frontal_biped.gait.gait import converged_nodes, quadrature_error
+from frontal_biped.gait.ranges import GAIT as RANGES
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.zero_dynamics.poincare import step_orbit
 
@@ -45,7 +46,8 @@ class TestRoundTrip:
 
     def test_awkward_numbers(self, reference_gait, tmp_path):
         """Neighbours of round numbers, the smallest and the largest: text must not round them."""
-        awkward = np.array([np.nextafter(0.1, 1.0), 1.0 / 3.0, 5e-324, -1.7976931348623157e308, -0.0])
+        largest = np.nextafter(RANGES["fri_bezier"].high, 0.0)
+        awkward = np.array([np.nextafter(0.1, 1.0), 1.0 / 3.0, 5e-324, -largest, -0.0])
         rising = replace(reference_gait.rising, fri_bezier=awkward)
         path = tmp_path / "awkward.json"
         save_gait(replace(reference_gait, rising=rising), path)

@@ -1,5 +1,8 @@
 """Sweep files: the grid they mean, and what is refused."""
 
+import datetime
+import time
+
 import pytest
 
 from frontal_biped.exceptions import SpecificationError
@@ -74,6 +77,16 @@ def test_no_axis_is_one_gait():
         ({"sweep": {"friction": [0.5]}, "specification": {"friction": 0.5}}, "keep one of them"),
         ({"specification": {"friction": "high"}}, "high"),
         ({"sweep": {"friction": {"from": 0.1, "to": 0.2, "count": 2_000_000}}}, "split the sweep"),
+        ({"sweep": {"friction": {"from": 0.1, "to": 0.2, "count": 10**9}}}, "split the sweep"),
+        ({"sweep": {"friction": {"from": 0.1, "to": 0.2, "count": 16**6000}}}, "split the sweep"),
+        ({"sweep": {"friction": {"from": -1e308, "to": 1e308, "count": 3}}}, "friction"),
+        ({"sweep": {"friction": {"from": 0.1, "to": 0.2, "count": True}}}, "count = True"),
+        ({"sweep": {"friction": [datetime.date(1979, 5, 27)]}}, "1979"),
+        ({"sweep": {"friction": [0.1] * 1000, "fri_margin": [0.01] * 101}}, "the grid has 101000 points"),
+        ({"batch": 10**6}, "batch = 1000000"),
+        ({"robot": ["a\0"]}, "neither a name nor a list of names"),
+        ({"robot": "\x1b[2J"}, "neither a name nor a list of names"),
+        ({"specification": {"friction": 1e308}}, "friction = 1e+308 is above"),
     ],
 )
 def test_refused(table, word):
@@ -88,3 +101,28 @@ def test_refused(table, word):
 def test_missing_file(tmp_path):
     with pytest.raises(SpecificationError, match="no such file"):
         read_sweep(tmp_path / "sweep.toml")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "axes",
+    [
+        {"friction": {"from": 0.1, "to": 0.9, "count": 100_000}},
+        {"friction": {"from": 0.1, "to": 0.9, "count": 1000}, "degree": [4, 5] * 50},
+    ],
+)
+def test_the_largest_grid_is_read_and_divided_in_seconds(axes):
+    began = time.process_time()
+    sweep = sweep_from_dict({"sweep": axes}, "S.toml")
+    assert len(sweep.points()) == 100_000
+    assert sum(map(len, sweep.batches())) == 100_000
+    assert time.process_time() - began < 5.0
+    assert sweep.points()[-1].specification.friction == 0.9
+
+
+def test_no_grid_is_built_before_it_is_counted():
+    began = time.process_time()
+    axis = {"from": 0.1, "to": 0.2, "count": 100_000}
+    with pytest.raises(SpecificationError, match="the grid has 1000000000000000 points"):
+        sweep_from_dict({"sweep": {"friction": axis, "fri_margin": axis, "touchdown_speed": axis}}, "S.toml")
+    assert time.process_time() - began < 0.5

@@ -137,6 +137,41 @@ MALFORMED |= {
     "a heading in the plane": ("[expect]\nyaw_drift = 0.1", "yaw_drift: measured in space only"),
     "a flag of space that is none": ("space = 1", "space = 1.*true nor false"),
 }
+MALFORMED |= {
+    "a number of 5000 digits": ("steps = " + "9" * 5000, "a whole number has thousands of digits"),
+    "a number that Python does not print": ("steps = 0x" + "f" * 6000, "steps = a number of thousands of digits"),
+    "a date": ("steps = 1979-05-27", "steps = datetime.date.*whole number"),
+    "a time of day for a friction": ("[disturbances]\nfriction = 07:32:00", "friction = datetime.time.*finite number"),
+    "a date in a specification": ("[gait]\nfriction = 1979-05-27", "gait = .*friction.*not a finite number"),
+    "a date for a controller of one's own": (
+        '[controller]\ntype = "math:hypot"\narguments = {day = 1979-05-27}',
+        "day = datetime.date.*neither number, text",
+    ),
+    "an endless number for it": (
+        '[controller]\ntype = "math:hypot"\narguments = {"a\\nb" = [inf]}',
+        r"arguments\] 'a\\nb' = \[inf\]: neither number, text",
+    ),
+    "a robot whose name ends early": ('robot = "a\\u0000.toml"', "robot = 'a.x00.toml'.*not text"),
+    "a robot that a terminal obeys": ('robot = "\\u001b[2J"', "robot = '.x1b.2J'.*not text"),
+    "a robot of 5000 letters": (f'robot = "{"x" * 5000}"', "robot = 'xxx.*not text"),
+    "a push at a step of 5000 digits": (
+        f'[[push]]\nimpulse = 1.0\nat = "impact of step {"9" * 900}"',
+        "at = 'impact of step 999.*not understood",
+    ),
+    "a push at a step in other digits": (
+        '[[push]]\nimpulse = 1.0\nat = "impact of step ١"',
+        "at = 'impact of step ١'.*not understood",
+    ),
+    "a key of 3000 letters": ("k" * 3000 + " = 1", "unknown key 'kkk"),
+    "a key of thousands of dots": ("a" + ".a" * 5000 + " = 1", "a key has more than 50 dots"),
+    "a key that a terminal obeys": ('"\\u001b[2J" = 1', "unknown key '.x1b.2J'"),
+    "more steps than anybody walks": ("steps = 1000000000000", "steps = 1000000000000.*from 1 to 100000"),
+    "more trials than anybody runs": ("repeat = 1000000000000", "repeat = 1000000000000.*from 1 to 1000000"),
+    "a table without end": (
+        "[model]\nmass = {" + ", ".join(f"b{i} = 1" for i in range(20_000)) + "}",
+        "unknown key 'b0'",
+    ),
+}
 
 
 @pytest.mark.parametrize("case", MALFORMED)
@@ -148,6 +183,7 @@ def test_one_line_and_status_2(case, write, capsys):
     assert out == ""
     assert error.count("\n") == 1
     assert error.startswith(f"frontal-biped: error: {path}")
+    assert len(error) < 1500 and error.strip().isprintable()
     assert re.search(complaint, error), error
 
 

@@ -28,7 +28,7 @@ from frontal_biped.model.urdf.frontal_axes import AXIS_TOLERANCE
 from frontal_biped.model.urdf.legs import Legs
 from frontal_biped.model.urdf.mirrored_joints import MirroredJoints
 from frontal_biped.model.urdf.read import read_urdf
-from frontal_biped.model.urdf.whole_model import build_model, posture_configuration
+from frontal_biped.model.urdf.whole_model import build_model, posture_configuration, require_joints
 
 STEP_SHARE = 0.3
 """Distance of the feet in x for which knees are bent, where none is asked for, of the length of a leg [-]."""
@@ -71,6 +71,7 @@ def propose_bent_posture(
     description = read_description(path)
     urdf_text = read_urdf(description.urdf)
     full = build_model(description, urdf_text)
+    require_joints(full, description, urdf_text)
     legs = legs_of(description, full)
     draft = replace(_without_legs(description, full, legs), name=name or description.name)
     start = posture_configuration(full, draft)

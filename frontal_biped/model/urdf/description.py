@@ -49,12 +49,25 @@ from pathlib import Path
 from typing import Any
 
 from frontal_biped.exceptions import HypothesisError, RobotError
-from frontal_biped.files.toml import finite_number, load_toml, reject_unknown_keys, respelt_keys
+from frontal_biped.files.quoted import quoted
+from frontal_biped.files.toml import as_finite, finite_number, load_toml, reject_unknown_keys, respelt_keys
 from frontal_biped.model.urdf.packages import resolve_urdf
 
 ROLL_JOINTS = ("left_ankle", "left_hip", "right_hip", "right_ankle")
 """The four roll joints in the order in which the paper's open chain passes them from left to right."""
 
+
+LONGEST_TEXT = 1000
+"""Characters of a text of a description: of a name or a path."""
+
+LARGEST = {
+    "sole": 10.0,  # [m]
+    "limits": 1e9,  # [N m]
+    "armature": 1e6,  # [kg m^2]
+    "posture": 1e4,  # [rad], or [m] of a sliding joint
+    "base": 1e4,  # [rad]
+}
+"""By section, the size from which on a number is none of a robot."""
 
 KEYS = ("name", "urdf", "symmetrise", "virtual_legs", "joints", "base", "posture", "sole", "limits", "armature", "gait")
 """Keys and sections of a description file."""
@@ -175,7 +188,7 @@ def read_description(path: Path) -> RobotDescription:
         name=_text(path, table, "", "name"),
         urdf=resolve_urdf(f"{path}: urdf", urdf, path.parent),
         joints=names,
-        posture={key: finite_number(f"{path}: [posture] {key}", value, RobotError) for key, value in posture.items()},
+        posture={key: _number(path, posture, "posture", key) for key in posture},
         sole=Sole(
             inner=_positive(path, sole, "sole", "inner"),
             outer=_positive(path, sole, "sole", "outer"),
@@ -192,14 +205,34 @@ def read_description(path: Path) -> RobotDescription:
         hip_armature=_not_negative(path, armature, "armature", "hip"),
         other_armature=_not_negative(path, armature, "armature", "other"),
         virtual_legs=_truth(path, table, "virtual_legs"),
-        gait=_section(path, table, "gait", None),
+        gait=_gait(path, table),
     )
+
+
+def _number(path: Path, table: dict[str, Any], section: str, key: str) -> float:
+    shown = key if key.isprintable() and len(key) <= LONGEST_TEXT else quoted(key)
+    where = f"{path}: [{section}] {shown}"
+    value = finite_number(where, table[key], RobotError)
+    if abs(value) > LARGEST[section]:
+        raise RobotError(f"{where} = {value:g} is beyond {LARGEST[section]:g}; give its true value, in SI units")
+    return value
+
+
+def _gait(path: Path, table: dict[str, Any]) -> dict[str, Any]:
+    """Keys of a gait specification, which says what it thinks of them; here, whether it can be asked at all."""
+    section = _section(path, table, "gait", None)
+    for key, value in section.items():
+        for part in value if isinstance(value, list) else [value]:
+            if not isinstance(part, str | bool) and as_finite(part) is None:
+                shown = quoted(value)
+                raise RobotError(f"{path}: [gait] {quoted(key)} = {shown} is no finite number, nor a list of them")
+    return section
 
 
 def _section(path: Path, table: dict[str, Any], name: str, known: tuple[str, ...] | None) -> dict[str, Any]:
     section = table.get(name, {})
     if not isinstance(section, dict):
-        raise RobotError(f"{path}: {name} = {section!r} is not a table; write [{name}] and its keys below it")
+        raise RobotError(f"{path}: {name} = {quoted(section)} is not a table; write [{name}] and its keys below it")
     if known is not None:
         reject_unknown_keys(f"{path}: [{name}]", section, known, RobotError)
     return section
@@ -208,7 +241,7 @@ def _section(path: Path, table: dict[str, Any], name: str, known: tuple[str, ...
 def _truth(path: Path, table: dict[str, Any], key: str) -> bool:
     value = table.get(key, False)
     if not isinstance(value, bool):
-        raise RobotError(f"{path}: {key} = {value!r} is neither true nor false; write {key} = true")
+        raise RobotError(f"{path}: {key} = {quoted(value)} is neither true nor false; write {key} = true")
     return value
 
 
@@ -217,8 +250,8 @@ def _text(path: Path, table: dict[str, Any], section: str, key: str) -> str:
     if key not in table:
         raise RobotError(f'{where} is missing; add {key} = "..."')
     value = table[key]
-    if not isinstance(value, str) or not value or not value.isprintable():
-        raise RobotError(f'{where} = {value!r} is not text; write {key} = "..."')
+    if not isinstance(value, str) or not value or not value.isprintable() or len(value) > LONGEST_TEXT:
+        raise RobotError(f'{where} = {quoted(value)} is not text; write {key} = "..."')
     return value
 
 
@@ -227,7 +260,7 @@ def _positive(path: Path, table: dict[str, Any], section: str, key: str) -> floa
     if key not in table:
         # a foot of nonzero length is part of the robot, so there is no default
         raise HypothesisError("HR5", f"{where} is missing; give the extent of the sole in metres")
-    value = finite_number(where, table[key], RobotError)
+    value = _number(path, table, section, key)
     if value <= 0.0:
         message = f"{where} = {value:g} must be positive; give its true value"
         raise HypothesisError("HR5", message) if section == "sole" else RobotError(message)
@@ -240,7 +273,7 @@ def _positive_or_none(path: Path, table: dict[str, Any], section: str, key: str)
 
 def _not_negative(path: Path, table: dict[str, Any], section: str, key: str) -> float:
     where = f"{path}: [{section}] {key}"
-    value = finite_number(where, table.get(key, 0.0), RobotError)
+    value = _number(path, table, section, key) if key in table else 0.0
     if value < 0.0:
         if section == "sole":
             raise HypothesisError("HR5", f"{where} = {value:g} must not be negative; measure it upwards from the sole")
@@ -252,6 +285,6 @@ def _rpy(path: Path, base: dict[str, Any]) -> tuple[float, float, float]:
     value = base.get("rpy", [0.0, 0.0, 0.0])
     where = f"{path}: [base] rpy"
     if not isinstance(value, list) or len(value) != 3:
-        raise RobotError(f"{where} = {value!r} is not a list of three angles; write rpy = [0.0, 0.0, 0.0]")
-    roll, pitch, yaw = (finite_number(where, angle, RobotError) for angle in value)
+        raise RobotError(f"{where} = {quoted(value)} is not a list of three angles; write rpy = [0.0, 0.0, 0.0]")
+    roll, pitch, yaw = (_number(path, {"rpy": angle}, "base", "rpy") for angle in value)
     return roll, pitch, yaw

@@ -45,7 +45,7 @@ def description_text(
     if any(armature.values()):
         lines += ["", head("armature"), *(f"{key} = {_value(value)}" for key, value in armature.items())]
     if description.gait:
-        lines += ["", head("gait"), *(f"{key} = {_value(value)}" for key, value in description.gait.items())]
+        lines += ["", head("gait"), *(f"{_key(key)} = {_value(value)}" for key, value in description.gait.items())]
     return "\n".join(lines) + "\n"
 
 
@@ -57,11 +57,14 @@ def _sole_lines(sole: Sole) -> list[str]:
 
 
 def _value(value: Any) -> str:
-    # JSON's strings, numbers and lists are TOML's, all characters but ASCII escaped
-    if isinstance(value, tuple):
-        value = list(value)
-    return json.dumps(value)
+    # JSON's strings, numbers and lists are TOML's, but for characters beyond U+FFFF, of which JSON escapes halves
+    text = json.dumps(list(value) if isinstance(value, tuple) else value, ensure_ascii=False)
+    return "".join(letter if " " <= letter <= "~" else _escaped(letter) for letter in text)
+
+
+def _escaped(letter: str) -> str:
+    return f"\\u{ord(letter):04x}" if ord(letter) <= 0xFFFF else f"\\U{ord(letter):08x}"
 
 
 def _key(key: str) -> str:
-    return key if key.replace("_", "").replace("-", "").isalnum() and key.isascii() else json.dumps(key)
+    return key if key.replace("_", "").replace("-", "").isalnum() and key.isascii() else _value(key)

@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from frontal_biped.exceptions import HypothesisError, RobotError
+from frontal_biped.files.quoted import quoted
 from frontal_biped.model.robot import Robot
 from frontal_biped.model.urdf.description import RobotDescription, Sole
 from frontal_biped.model.urdf.legs import Legs, find_legs, look_like_arms, named_legs
@@ -82,8 +83,9 @@ def first_draft(urdf: Path) -> FirstDraft:
         RobotError: the URDF cannot be read, or it is no biped; `HypothesisError` names the hypothesis.
     """
     text = read_urdf(urdf)
-    name = urdf.stem
-    draft = RobotDescription(name, urdf, {}, {}, Sole(0.0, 0.0), None, None, urdf)
+    if not urdf.name.isprintable():
+        raise RobotError(f"{quoted(urdf.name)}: a description cannot write this name of a file; rename it")
+    draft = RobotDescription(urdf.stem, urdf, {}, {}, Sole(0.0, 0.0), None, None, urdf)
     full = build_model(draft, text)
     legs = find_legs(full, str(urdf), _mimics(text))
     joints = {

@@ -30,6 +30,9 @@ ROUNDING = 1e-9  # [m]
 MOST_JOINTS = 200
 """Movable joints that are looked at, two chains by two; a humanoid with fingers has 80."""
 
+MOST_CHAINS = 25
+"""Ends of the tree of movable joints, which are looked at two by two; talos with its grippers has 13."""
+
 _LEFT = re.compile(r"(^|_)(l|left)(_|$)|left|^fl_|^l(?=[A-Z])", re.IGNORECASE)
 _RIGHT = re.compile(r"(^|_)(r|right)(_|$)|right|^fr_|^r(?=[A-Z])", re.IGNORECASE)
 
@@ -76,6 +79,12 @@ def find_legs(full: pin.Model, where: str, mimics: Collection[str] = ()) -> Legs
         )
     children = {full.parents[joint] for joint in range(2, full.njoints)}
     chains = [_chain(full, joint) for joint in range(2, full.njoints) if joint not in children]
+    if len(chains) > MOST_CHAINS:
+        raise HypothesisError(
+            "HR1",
+            f"{where}: {len(chains)} chains of movable joints, at most {MOST_CHAINS} are looked at;"
+            ' make the joints that do not matter type="fixed"',
+        )
     pairs = [_without_common(a, b) for a, b in itertools.combinations(chains, 2)]
     found = list(_mirrored_pairs(full, pairs))
     if not found:

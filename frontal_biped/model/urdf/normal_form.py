@@ -6,7 +6,8 @@ that needs nothing of this stays as it is, byte for byte: the fingerprints of ga
 
     blanks around numbers              dropped, tabs and line breaks between them too
     a link that bears a joint's name   ..._link (names of links and of joints are apart in a URDF, not in Pinocchio)
-    a link called "world"              world_link (MuJoCo has a body of that name)
+    a link called "world"              world_link (MuJoCo has a body of that name, Pinocchio a frame called "universe"
+                                       and a joint called "root_joint"; fixed joints of these names get a _)
     a root link without mass from which the robot hangs by a floating joint
                                        the joint is fixed: the robot floats anyway
     a continuous joint with limits of effort and speed
@@ -14,7 +15,12 @@ that needs nothing of this stays as it is, byte for byte: the fingerprints of ga
     a material without a name          named, for one hides all shapes of its link; beside the links, dropped
     a material defined twice           the first holds
     a capsule                          a cylinder and two spheres
-    a shape without a geometry         dropped, for it hides all shapes of its link
+    a shape without a geometry, or whose geometry lacks a size
+                                       dropped, for it hides all shapes of its link
+    what else a <geometry> holds       dropped, for its first element is read
+    a name with line breaks or control characters
+                                       these become _, so that it can be printed and written into other files
+    processing instructions            dropped
 """
 
 import copy
@@ -27,8 +33,13 @@ import pinocchio as pin
 
 from frontal_biped.model.urdf.numbers_of_text import number_texts, plain_spelling
 
-GEOMETRIES = ("box", "cylinder", "sphere", "mesh")
-"""What a ``<geometry>`` may hold for all readers."""
+GEOMETRIES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "mesh": ("filename",)}
+"""What a ``<geometry>`` may hold for all readers, and the attributes that it must have."""
+
+_OF_PINOCCHIO = ("universe", "root_joint")
+"""Names that Pinocchio gives itself, the second because we ask for it."""
+
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 _BROKEN_ATTRIBUTE = re.compile(r"""=\s*("[^"<]*[\t\r\n][^"<]*"|'[^'<]*[\t\r\n][^'<]*')""")
 """An attribute with a tab or a line break; an XML reader should make blanks of them, urdfdom's does not."""
@@ -46,9 +57,12 @@ def normal_form(text: str, root: ElementTree.Element) -> str:
     """
     changes = [
         bool(_BROKEN_ATTRIBUTE.search(text)),
+        "<?" in _COMMENT.sub("", text).lstrip("\ufeff").removeprefix("<?"),
+        _names_printable(root),
         _blanks_dropped(root),
         _floating_root_fixed(root),
         _turns_bounded(root),
+        _fixed_joints_renamed(root),
         _links_renamed(root),
         _materials_named(root),
         _capsules_parted(root),
@@ -66,6 +80,28 @@ def _blanks_dropped(root: ElementTree.Element) -> bool:
         if text.split() != plain.split() or _NO_BLANK.search(text) or (count == 1 and text != plain):
             element.set(key, plain)
             changed = True
+    return changed
+
+
+def _names_printable(root: ElementTree.Element) -> bool:
+    changed = False
+    for kind, references in (("link", {"parent": "link", "child": "link"}), ("joint", {"mimic": "joint"})):
+        parts = root.findall(kind)
+        taken = {part.get("name", "") for part in parts}
+        renamed: dict[str, str] = {}
+        for name in sorted(name for name in taken if not name.isprintable()):
+            new = "".join(letter if letter.isprintable() else "_" for letter in name)
+            while new in taken:
+                new += "_"
+            taken.add(new)
+            renamed[name] = new
+        for part in parts if renamed else ():
+            part.set("name", renamed.get(part.get("name", ""), part.get("name", "")))
+        for joint in root.findall("joint") if renamed else ():
+            for tag, key in references.items():
+                for element in joint.findall(tag):
+                    element.set(key, renamed.get(element.get(key, ""), element.get(key, "")))
+        changed = changed or bool(renamed)
     return changed
 
 
@@ -91,11 +127,23 @@ def _turns_bounded(root: ElementTree.Element) -> bool:
     return changed
 
 
+def _fixed_joints_renamed(root: ElementTree.Element) -> bool:
+    joints = root.findall("joint")
+    taken = {joint.get("name", "") for joint in joints}
+    renamed = [joint for joint in joints if joint.get("type") == "fixed" and joint.get("name") in _OF_PINOCCHIO]
+    for joint in renamed:
+        new = f"{joint.get('name')}_"
+        while new in taken:
+            new += "_"
+        joint.set("name", new)
+    return bool(renamed)
+
+
 def _links_renamed(root: ElementTree.Element) -> bool:
     joints = {joint.get("name", "") for joint in root.findall("joint")}
     links = {link.get("name", "") for link in root.findall("link")}
     renamed = {}
-    for name in sorted((joints | {"world"}) & links):
+    for name in sorted((joints | {"world", *_OF_PINOCCHIO}) & links):
         new = f"{name}_link"
         while new in links | joints:
             new += "_"
@@ -114,15 +162,16 @@ def _ends(joint: ElementTree.Element, ends: Iterable[str]) -> list[ElementTree.E
 
 
 def _materials_named(root: ElementTree.Element) -> bool:
-    changed = False
     names: set[str] = set()
-    for material in root.findall("material"):
-        name = material.get("name")
-        if name is None or name in names:
-            root.remove(material)
-            changed = True
-        else:
+    kept = []
+    for element in root:
+        name = element.get("name")
+        if element.tag != "material" or (name is not None and name not in names):
+            kept.append(element)
+        if element.tag == "material" and name is not None:
             names.add(name)
+    changed = len(kept) < len(root)
+    root[:] = kept
     shapes = [shape for link in root.findall("link") for shape in _shapes(link)]
     names.update(material.get("name", "") for shape in shapes for material in shape.findall("material"))
     for shape in shapes:
@@ -171,12 +220,32 @@ def _end_of_capsule(shape: ElementTree.Element, height: float) -> ElementTree.El
 def _empty_shapes_dropped(root: ElementTree.Element) -> bool:
     changed = False
     for link in root.findall("link"):
-        for shape in _shapes(link):
-            if not any(shape.find(f"geometry/{kind}") is not None for kind in GEOMETRIES):
-                link.remove(shape)
+        kept = []
+        for part in link:
+            geometry = _geometry(part) if part.tag in _SHAPES else part
+            if geometry is not None:
+                kept.append(part)
+            if part.tag in _SHAPES and geometry is not None and len(part.findall("geometry")) + len(geometry) > 2:
+                part[:] = [child for child in part if child.tag != "geometry"] + [geometry]
+                geometry[:] = [child for child in geometry if child.tag in GEOMETRIES][:1]
                 changed = True
+        if len(kept) < len(link):
+            link[:] = kept
+            changed = True
     return changed
 
 
+def _geometry(shape: ElementTree.Element) -> ElementTree.Element | None:
+    """The first one of which all readers can make something."""
+    for geometry in shape.findall("geometry"):
+        solid = next((child for child in geometry if child.tag in GEOMETRIES), None)
+        if solid is not None and set(GEOMETRIES[solid.tag]) <= set(solid.attrib):
+            return geometry
+    return None
+
+
+_SHAPES = ("visual", "collision")
+
+
 def _shapes(link: ElementTree.Element) -> list[ElementTree.Element]:
-    return [*link.findall("visual"), *link.findall("collision")]
+    return [shape for kind in _SHAPES for shape in link.findall(kind)]

@@ -11,12 +11,22 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from frontal_biped.exceptions import RobotError
+from frontal_biped.files.quoted import quoted
 
 _PLAIN = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 """What all readers call a number."""
 
 _SMALLEST = 1e-300
 """Smaller numbers are written as 0: urdfdom refuses what underflows."""
+
+LARGEST = {
+    **dict.fromkeys(("xyz", "size", "radius", "length"), 1e6),  # [m]; a file in millimetres is still told as one
+    "rpy": 1e4,  # [rad]
+    "value": 1e6,  # [kg]
+    **dict.fromkeys(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), 1e12),  # [kg m^2], of millimetres
+    "scale": 1e6,
+}
+"""Size from which on a number is none of a robot, and its products would overflow. Limits may be of any size."""
 
 OF_LINK = {
     "origin": {"xyz": 3, "rpy": 3},
@@ -78,7 +88,7 @@ def numbers(where: str, element: ElementTree.Element | None, key: str, count: in
     """Finite numbers of an attribute, [] where it is absent.
 
     Raises:
-        RobotError: there are more or fewer, or they are not spelled as every reader reads them.
+        RobotError: there are more or fewer, they are not spelled as every reader reads them, or too large (`LARGEST`).
     """
     text = None if element is None else element.get(key)
     if text is None:
@@ -88,7 +98,12 @@ def numbers(where: str, element: ElementTree.Element | None, key: str, count: in
     if len(values) != len(words) or len(values) != count or not all(math.isfinite(value) for value in values):
         wanted = "a finite number" if count == 1 else f"{count} finite numbers"
         example = " ".join(("0.5", "-1e-3", "2")[:count])
-        raise RobotError(f'{where}: {key}={text!r} is not {wanted}; write {key}="{example}" with the true value')
+        raise RobotError(f'{where}: {key}={quoted(text)} is not {wanted}; write {key}="{example}" with the true value')
+    most = LARGEST.get(key, math.inf)
+    if max(map(abs, values)) > most:
+        raise RobotError(
+            f"{where}: {key}={quoted(text)} is beyond {most:g}; a URDF is in metres, kilograms and radians"
+        )
     return values
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
+from frontal_biped.exceptions import RobotError
 from frontal_biped.model.urdf.description import RobotDescription, Sole, read_description
 from frontal_biped.model.urdf.description_text import description_text
 from frontal_biped.model.urdf.draft import (
@@ -24,7 +25,7 @@ from frontal_biped.model.urdf.draft import (
 from frontal_biped.model.urdf.legs import Legs
 from frontal_biped.model.urdf.posture import Posture, find_posture
 from frontal_biped.model.urdf.read import read_urdf
-from frontal_biped.model.urdf.whole_model import build_model, posture_configuration
+from frontal_biped.model.urdf.whole_model import build_model, posture_configuration, require_joints
 
 
 def propose_description(urdf: Path) -> Proposal:
@@ -57,6 +58,7 @@ def propose_posture(path: Path) -> Proposal:
     description = read_description(path)
     text = read_urdf(description.urdf)
     full = build_model(description, text)
+    require_joints(full, description, text)
     legs = legs_of(description, full)
     start = {**reachable(full), **description.posture}
     return _complete(replace(description, posture=start), full, legs, text, [], [], keep=description)
@@ -77,6 +79,8 @@ def _complete(
     given = {} if keep is None else keep.posture
     ends = None if sole is None else (sole.heel, sole.toe)
     posture = find_posture(full, legs, draft.joints, start, ends, tuple(given))
+    if not np.isfinite([*posture.base_rpy, *posture.angles.values(), posture.com_x, posture.axis_error]).all():
+        raise RobotError(f"{draft.urdf}: no posture can be computed; look at its masses, lengths and limits")
     draft = replace(draft, posture=rounded(full, draft, posture.angles), base_rpy=rounded_rpy(posture.base_rpy))
     notes.append(_posture_note(posture))
     if not posture.aligned:

@@ -13,12 +13,18 @@ from typing import Any, cast
 
 from frontal_biped.exceptions import RobotError
 from frontal_biped.files.names import require_utf8_name
+from frontal_biped.files.quoted import listed, quoted
+from frontal_biped.files.reading import read_bytes
 from frontal_biped.model.urdf.normal_form import normal_form
 from frontal_biped.model.urdf.numbers_of_text import number_texts, numbers
 
 MAX_URDF_BYTES = 20_000_000  # the largest humanoid URDF seen is 0.3 MB
 MAX_LINKS = 1000  # the largest humanoid URDF seen has 150; Pinocchio takes seconds for some thousands
+MAX_SHAPES = 1000  # visual and collision shapes; the most seen are 105
+LONGEST_NAME = 200  # characters of a link or joint; the longest seen has 60
 MAX_DEPTH = 40  # of nested elements; a URDF needs 6, and parsers that recurse must not be led deeper
+LEAST_MASS = 1e-3  # [kg] of the whole robot
+ALONG_NOTHING = 1e-9  # length of an axis that has no direction
 ROUNDING_INERTIA = 1e-12  # [kg m^2]; CAD exports print -5e-20 for zero
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 
@@ -37,14 +43,15 @@ def read_urdf(path: Path) -> str:
             joints, masses or numbers are inconsistent; or the name of the file is not UTF-8.
     """
     require_utf8_name(path, RobotError)
-    if not path.is_file():
-        raise RobotError(f"{path}: no such URDF file; check the path, or see `frontal-biped robots`")
-    if path.stat().st_size > MAX_URDF_BYTES:
+    if path.is_file() and path.stat().st_size > MAX_URDF_BYTES:
         raise RobotError(f"{path}: larger than {MAX_URDF_BYTES} bytes; a URDF keeps its meshes in other files")
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_bytes(path, MAX_URDF_BYTES, RobotError, ".urdf file").decode("utf-8")
+    except FileNotFoundError:
+        raise RobotError(f"{path}: no such URDF file; check the path, or see `frontal-biped robots`") from None
     except UnicodeDecodeError as error:
         raise RobotError(f"{path}: not UTF-8 text at byte {error.start}; save the URDF as UTF-8") from None
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
         raise RobotError(f"{path}: declares an XML DOCTYPE or entity; remove it, a URDF needs none")
     try:
@@ -52,13 +59,14 @@ def read_urdf(path: Path) -> str:
     except ElementTree.ParseError as error:
         if "xacro:" in text and "unbound prefix" in str(error):
             raise _is_xacro(path) from None
-        raise RobotError(f"{path}: not well-formed XML, {error}; mend the file there") from None
+        raise RobotError(f"{path}: not well-formed XML, {str(error)[:100]}; mend the file there") from None
     if root.tag != "robot":
-        raise RobotError(f"{path}: the root element is <{root.tag}>, not <robot>; is this a URDF file?")
+        raise RobotError(f"{path}: the root element is <{root.tag[:100]}>, not <robot>; is this a URDF file?")
     if _has_xacro(root):
         raise _is_xacro(path)
     if not root.get("name"):
         raise RobotError(f'{path}: the <robot> has no name; write <robot name="...">')
+    _check_sizes(path, root)
     for where, element, key, count in number_texts(str(path), root):
         numbers(where, element, key, count)
     _check_links(path, root)
@@ -98,14 +106,31 @@ def _is_xacro(path: Path) -> RobotError:
     return RobotError(f"{path}: this is a xacro file; run `xacro {path.name} > robot.urdf` first, and give robot.urdf")
 
 
+def _check_sizes(path: Path, root: ElementTree.Element) -> None:
+    """How many links, joints and shapes, and how long their names, before anything is done for each of them."""
+    for kind in ("link", "joint"):
+        parts = root.findall(kind)
+        if len(parts) > MAX_LINKS:
+            raise RobotError(
+                f"{path}: {len(parts)} {kind}s; at most {MAX_LINKS} are read, remove what is not the robot"
+            )
+        for part in parts:
+            name = part.get("name", "")
+            if len(name) > LONGEST_NAME:
+                raise RobotError(f"{path}: the {kind} {quoted(name)} has a name of {len(name)} characters; shorten it")
+
+    shapes = sum(len(link.findall("visual")) + len(link.findall("collision")) for link in root.findall("link"))
+    if shapes > MAX_SHAPES:
+        raise RobotError(f"{path}: {shapes} shapes; at most {MAX_SHAPES} are read, put them together in meshes")
+
+
 def _check_links(path: Path, root: ElementTree.Element) -> None:
     names = [link.get("name", "") for link in root.findall("link")]
     duplicates = sorted(name for name, count in Counter(names).items() if count > 1)
-    if len(names) > MAX_LINKS:
-        raise RobotError(f"{path}: {len(names)} links; at most {MAX_LINKS} are read, remove what is not the robot")
     if not names or "" in names or duplicates:
         what = f"link {duplicates[0]!r} is defined twice" if duplicates else "a link without a name, or no link"
         raise RobotError(f"{path}: {what}; give every link a name of its own")
+    total = 0.0
     for link in root.findall("link"):
         where = f"{path}: link {link.get('name')!r}"
         inertial = link.find("inertial")
@@ -118,6 +143,7 @@ def _check_links(path: Path, root: ElementTree.Element) -> None:
             raise RobotError(f"{where}: mass {mass[0]:g} kg is negative; give a positive mass")
         if not mass:
             raise RobotError(f"{where}: its <inertial> has no <mass value=...>; give one, or drop the <inertial>")
+        total += mass[0]
         inertia = inertial.find("inertia")
         for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz"):
             moment = numbers(where, inertia, key, 1)
@@ -125,6 +151,8 @@ def _check_links(path: Path, root: ElementTree.Element) -> None:
                 raise RobotError(f"{where}: its <inertia> has no {key}; give all six, 0 where there is none")
             if key[1] == key[2] and moment[0] < -ROUNDING_INERTIA:
                 raise RobotError(f"{where}: {key} = {moment[0]:g} kg m^2 is negative; give a positive inertia")
+    if total < LEAST_MASS:
+        raise RobotError(f"{path}: the robot weighs {total:g} kg; give its links an <inertial> with their masses")
 
 
 def _check_joints(path: Path, root: ElementTree.Element) -> None:
@@ -139,13 +167,15 @@ def _check_joints(path: Path, root: ElementTree.Element) -> None:
         names.add(name)
         if joint.get("type") not in JOINT_TYPES:
             known = ", ".join(JOINT_TYPES)
-            raise RobotError(f"{where}: unknown type {joint.get('type')!r}; use one of {known}")
+            raise RobotError(f"{where}: unknown type {quoted(joint.get('type'))}; use one of {known}")
         ends: list[str] = []
         for end in ("parent", "child"):
             element = joint.find(end)
             link = "" if element is None else element.get("link", "")
             if link not in links:
-                raise RobotError(f"{where}: its {end} link {link!r} is not defined; add the link or mend the name")
+                raise RobotError(
+                    f"{where}: its {end} link {quoted(link)} is not defined; add the link or mend the name"
+                )
             ends.append(link)
         if ends[1] in parent_of:
             raise RobotError(f"{where}: link {ends[1]!r} already has a parent; a URDF is a tree, remove one joint")
@@ -153,8 +183,11 @@ def _check_joints(path: Path, root: ElementTree.Element) -> None:
         numbers(where, joint.find("origin"), "xyz", 3)
         numbers(where, joint.find("origin"), "rpy", 3)
         axis = numbers(where, joint.find("axis"), "xyz", 3)
-        if axis and joint.get("type") not in ("fixed", "floating") and math.hypot(*axis) == 0.0:
+        if axis and joint.get("type") not in ("fixed", "floating") and math.hypot(*axis) < ALONG_NOTHING:
             raise RobotError(f"{where}: its axis is zero; give a direction, for a roll joint '1 0 0'")
+        mimic = joint.find("mimic")
+        if mimic is not None and not mimic.get("joint"):
+            raise RobotError(f"{where}: its <mimic> names no joint; write joint=..., or remove it")
         limit = joint.find("limit")
         limits = {key: numbers(where, limit, key, 1) for key in ("lower", "upper", "effort", "velocity")}
         if joint.get("type") in ("revolute", "prismatic"):
@@ -173,7 +206,7 @@ def _check_joints(path: Path, root: ElementTree.Element) -> None:
             at = parent_of.get(at)
     roots = sorted(links - set(parent_of))
     if len(roots) != 1:
-        raise RobotError(f"{path}: {len(roots)} links have no parent ({', '.join(roots)}); join them into one tree")
+        raise RobotError(f"{path}: {len(roots)} links have no parent ({listed(roots)}); join them into one tree")
 
 
 def _check_mesh_paths(path: Path, root: ElementTree.Element) -> None:
@@ -188,6 +221,6 @@ def _check_mesh_paths(path: Path, root: ElementTree.Element) -> None:
             lowest = min(lowest, depth)
         if lowest < (0 if colon else -1):
             raise RobotError(
-                f"{path}: mesh {name!r} leaves the robot's package; keep meshes beside the URDF's folder and name them"
-                " package://package/meshes/..."
+                f"{path}: mesh {quoted(name)} leaves the robot's package; keep meshes beside the URDF's folder and name"
+                " them package://package/meshes/..."
             )

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.model.urdf.quiet import kept_from_terminal
 from frontal_biped.model.urdf.shapes import build_shapes, shape_points
 
 SOLE_THICKNESS = 0.003
@@ -71,7 +72,8 @@ def measure_sole(
         frame.name for frame in full.frames if frame.type == pin.FrameType.BODY and frame.parentJoint in foot_joints
     }
     for kind, source in ((pin.GeometryType.COLLISION, "collision"), (pin.GeometryType.VISUAL, "visual")):
-        shapes = build_shapes(full, urdf, _shapes_of_links_only(urdf_text, links), kind)
+        with kept_from_terminal():
+            shapes = build_shapes(full, urdf, _shapes_of_links_only(urdf_text, links), kind)
         points = [
             (data.oMi[shape.parentJoint] * shape.placement).act(point) - data.oMi[joint].translation
             for shape in shapes.geometryObjects

@@ -2,14 +2,17 @@
 
 import difflib
 import xml.etree.ElementTree as ElementTree
+from collections import Counter
 
 import numpy as np
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
+from frontal_biped.files.quoted import listed
 from frontal_biped.model.urdf.description import RobotDescription
 from frontal_biped.model.urdf.inertia_check import check_inertias
+from frontal_biped.model.urdf.quiet import kept_from_terminal
 
 ROOT = "root_joint"
 
@@ -18,13 +21,21 @@ def build_model(description: RobotDescription, urdf_text: str) -> pin.Model:
     """3D model of a URDF with a free-flyer root and the URDF's limits.
 
     Raises:
-        RobotError: Pinocchio cannot read the URDF, or reads other inertias than it gives.
+        RobotError: Pinocchio cannot read the URDF, or reads other inertias than it gives, or a joint has a name that
+            Pinocchio gives to its own.
     """
-    try:
-        full = pin.buildModelFromXML(urdf_text, pin.JointModelFreeFlyer())
-    except (ValueError, RuntimeError) as error:
-        reason = " ".join(str(error).split())
-        raise RobotError(f"{description.urdf}: Pinocchio cannot read it, {reason}; check it with check_urdf") from None
+    failed = ""
+    with kept_from_terminal() as kept:
+        try:
+            full = pin.buildModelFromXML(urdf_text, pin.JointModelFreeFlyer())
+        except (ValueError, RuntimeError) as error:
+            failed = " ".join(str(error).split())
+    if failed:
+        reason = kept.text or failed
+        raise RobotError(f"{description.urdf}: Pinocchio cannot read it, {reason}; check it with check_urdf")
+    twice = [name for name, count in Counter(full.names).items() if count > 1]
+    if twice:
+        raise RobotError(f"{description.urdf}: a joint is called {twice[0]!r}, as one of Pinocchio's own; rename it")
     full.name = description.name
     check_inertias(str(description.urdf), full, urdf_text)
     return full
@@ -37,7 +48,7 @@ def build_described_model(description: RobotDescription, urdf_text: str) -> pin.
         RobotError: Pinocchio cannot read the URDF, or a joint that the description names does not exist.
     """
     full = build_model(description, urdf_text)
-    _check_names(full, description, urdf_text)
+    require_joints(full, description, urdf_text)
     behind_root = full.joints[full.getJointId(ROOT)].nv
     full.armature[behind_root:] = description.other_armature
     for key, name in description.joints.items():
@@ -82,11 +93,12 @@ def posture_configuration(full: pin.Model, description: RobotDescription) -> Flo
             outside.append(f"{name} = {np.clip(angle, low, high):.9g}")
         posture[joint.idx_q] = angle
     if outside:
-        raise RobotError(f"{where}: [posture] cannot leave out joints that cannot be at 0; add {', '.join(outside)}")
+        raise RobotError(f"{where}: [posture] cannot leave out joints that cannot be at 0; add {listed(outside)}")
     return posture
 
 
-def _check_names(full: pin.Model, description: RobotDescription, urdf_text: str) -> None:
+def require_joints(full: pin.Model, description: RobotDescription, urdf_text: str) -> None:
+    """Raise RobotError where a joint that the description names is none, or fixed."""
     names = [name for name in full.names[1:] if name != ROOT]
     fixed = {
         joint.get("name")
@@ -102,5 +114,5 @@ def _check_names(full: pin.Model, description: RobotDescription, urdf_text: str)
                 remedy = "name a movable joint" if section == "posture" else 'make it type="revolute" with limits'
                 raise RobotError(f"{where} joint {name!r} is fixed; {remedy}")
             close = difflib.get_close_matches(name, names, n=1)
-            remedy = f"did you mean {close[0]!r}?" if close else f"movable joints: {', '.join(names)}"
+            remedy = f"did you mean {close[0]!r}?" if close else f"movable joints: {listed(names)}"
             raise RobotError(f"{where} the URDF has no movable joint {name!r}; {remedy}")
