@@ -3,15 +3,16 @@
 import argparse
 import errno
 import json
-import sys
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from frontal_biped.cli.surroundings import write_out
+
 
 def emit(arguments: argparse.Namespace, table: Mapping[str, Any], text: str) -> None:
     """Print a report: as JSON with ``--json``, else as text."""
-    sys.stdout.write((json.dumps(table, indent=1) if arguments.json else text) + "\n")
+    write_out((json.dumps(table, indent=1) if arguments.json else text) + "\n")
 
 
 def report(

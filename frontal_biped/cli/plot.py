@@ -1,10 +1,10 @@
 """`frontal-biped plot`."""
 
 import argparse
-import sys
 
 from frontal_biped.cli.arguments import add_robot, add_source, add_value, figure_formats, folder
 from frontal_biped.cli.exit_status import SUCCESS
+from frontal_biped.cli.surroundings import write_out
 
 SUMMARY = "Write the paper's figures and more; of a walk in space footsteps, pressure, limits and speed."
 EXAMPLE = "frontal-biped plot run.npz -o figures"
@@ -35,5 +35,5 @@ def run(arguments: argparse.Namespace) -> int:
         source = load_source(arguments.source, arguments.robot)
         paths = write_figures(arguments.output, source.biped, source.gait, source.run, arguments.format)
     for path in paths:
-        sys.stdout.write(f"{path}\n")
+        write_out(f"{path}\n")
     return SUCCESS
