@@ -10,7 +10,7 @@ from typing import Any, NoReturn, Protocol
 from frontal_biped.cli import analyze, demo, design, export, library, plot, robots, simulate, studio, trial, view, walk
 from frontal_biped.cli.exit_status import TASK_FAILED, USAGE
 from frontal_biped.cli.interruption import interruptible
-from frontal_biped.cli.surroundings import FORESEEN, open_streams, silence, told, write_out
+from frontal_biped.cli.surroundings import FORESEEN, open_streams, quieten_libraries, silence, told, write_out
 from frontal_biped.exceptions import FrontalBipedError, Interruption
 from frontal_biped.files.names import require_utf8_name
 from frontal_biped.files.spelling import respelt
@@ -61,6 +61,7 @@ def _run(words: Sequence[str]) -> int:
     debug = "--debug" in words
     try:
         open_streams()
+        quieten_libraries()
         return _status(words)
     except KeyboardInterrupt as stop:
         return _interrupted(stop)

@@ -25,7 +25,9 @@ def run(arguments: argparse.Namespace) -> int:
     from frontal_biped.cli.sources import is_spatial, load_source, load_spatial_source
     from frontal_biped.figures.space import write_space_figures
     from frontal_biped.figures.write import write_figures
+    from frontal_biped.files.atomic import require_folder
 
+    require_folder(arguments.output)
     if is_spatial(arguments.source):
         walk = load_spatial_source(arguments.source, arguments.robot)
         paths = write_space_figures(

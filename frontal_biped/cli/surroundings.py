@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import logging
 import os
 import sys
 from pathlib import Path
@@ -42,6 +43,11 @@ def open_streams() -> None:
         raise FrontalBipedError("standard output: is closed; send it to a file, or to /dev/null")
     with contextlib.suppress(AttributeError, ValueError):  # of a stream that is no file's
         sys.stdout.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+
+
+def quieten_libraries() -> None:
+    """Matplotlib would say where it keeps its cache when HOME cannot be written; nobody asked."""
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
 
 
 def _nowhere() -> TextIO:
@@ -101,7 +107,8 @@ def _told_by_system(error: OSError) -> str:
             return f"TMPDIR: {reason}; set it to a folder that can be written to and has room"
         if _is_current_folder_gone():
             return "the current folder: is not there any more; change to another one"
-    place = "the operating system" if error.filename is None else str(error.filename)
+    name = error.filename
+    place = "the operating system" if name is None else os.fsdecode(name) if isinstance(name, bytes) else str(name)
     return f"{place}: {reason}; {_REMEDIES.get(error.errno or 0, 'choose another path')}"
 
 
