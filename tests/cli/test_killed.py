@@ -126,3 +126,16 @@ def test_a_picture_is_interrupted_quietly(number, seconds, tmp_path):
     assert (process.returncode, out) == (128 + number, "")
     assert err == "frontal-biped: error: interrupted; nothing was left half-written\n"
     assert list(Path(tmp_path).iterdir()) == []
+
+
+def test_interrupted_while_it_is_imported():
+    code = (
+        "import signal, sys, runpy\n"
+        "class Finder:\n"
+        "    def find_spec(self, name, *_):\n"
+        "        if name == 'frontal_biped.cli.main': signal.raise_signal(signal.SIGINT)\n"
+        "sys.meta_path.insert(0, Finder())\n"
+        "runpy.run_module('frontal_biped', run_name='__main__')"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "frontal-biped: error: interrupted before it began\n")
