@@ -19,6 +19,10 @@ class HypothesisError(RobotError):
     def __init__(self, hypothesis: str, message: str) -> None:
         super().__init__(f"{message} ({hypothesis})")
         self.hypothesis = hypothesis
+        self._given = (hypothesis, message)
+
+    def __reduce__(self) -> tuple[type["HypothesisError"], tuple[str, str]]:
+        return type(self), self._given  # it comes back whole from a worker process
 
 
 class SpecificationError(FrontalBipedError):
@@ -69,3 +73,28 @@ class UnknownNameError(FrontalBipedError, KeyError):
 
 class ControllerError(FrontalBipedError):
     """A user's controller that cannot be asked, or whose answer cannot be used; the message says what to return."""
+
+
+class Interruption(KeyboardInterrupt):
+    """Ctrl+C, or a signal that asks as politely, while a command works. Like Ctrl+C it is no Exception.
+
+    Attributes:
+        signal_number: which signal it was.
+    """
+
+    def __init__(self, signal_number: int) -> None:
+        super().__init__(signal_number)
+        self.signal_number = signal_number
+
+    @property
+    def exit_status(self) -> int:
+        """Of a process that ends because of it, as shells have it."""
+        return 128 + self.signal_number
+
+
+def is_interruption(error: BaseException) -> bool:
+    """Does an error mean that the user wants an end, rather than that something else ended?
+
+    A class of somebody else's that is derived from KeyboardInterrupt is an error like any other.
+    """
+    return type(error) in (KeyboardInterrupt, Interruption)

@@ -1,6 +1,13 @@
-"""A pytest plugin: every ``*.scenario.toml`` is a test, and the fixture `trial` runs one from a test of your own.
+"""A pytest plugin: ``*.scenario.toml`` files are tests where that is wanted, and the fixture `trial` runs one.
 
-Installed with the package; nothing but pytest is imported until a scenario runs.
+A scenario may name a Python module, which runs with it, so a project says that its scenarios are tests::
+
+    [tool.pytest.ini_options]
+    frontal_biped_scenarios = true
+
+or, for one run, ``pytest --scenarios``. A scenario file that is named on the command line is a test anyway. Otherwise
+the plugin, which comes with the package, leaves a project as it is, and imports nothing but pytest until a scenario
+runs; ``-p no:frontal_biped`` leaves it out altogether. The fixture is there with or without the setting:
 
     def test_my_controller_survives_a_push(trial):
         result = trial("push.scenario.toml", controller=MyController)
@@ -20,6 +27,9 @@ if TYPE_CHECKING:
 
 SUFFIX = ".scenario.toml"
 
+SETTING = "frontal_biped_scenarios"
+"""In the configuration of pytest: are scenario files tests?"""
+
 MOST_TOLD = 3
 """Failed trials that a failure describes in full."""
 
@@ -31,6 +41,8 @@ class ExpectationsFailedError(AssertionError):
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Options of scenarios."""
     group = parser.getgroup("frontal-biped", "scenarios of frontal-biped")
+    parser.addini(SETTING, "collect *.scenario.toml files, and run the modules that they name", "bool", default=False)
+    group.addoption("--scenarios", action="store_true", help=f"collect scenario files, as {SETTING} = true does")
     group.addoption("--scenario-repeat", type=int, metavar="N", help="trials of each scenario that draws anything")
     group.addoption("--scenario-seed", type=int, metavar="S", help="seed of all scenarios")
     group.addoption("--scenario-save", type=Path, metavar="DIR", help="keep a run file of every trial, for `view`")
@@ -44,8 +56,11 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
-    """Collect scenario files."""
+    """Collect scenario files where the project or the command line asks for it."""
     if not file_path.name.endswith(SUFFIX):
+        return None
+    config = parent.config
+    if not (config.getini(SETTING) or config.getoption("--scenarios") or parent.session.isinitpath(file_path)):
         return None
     collector: pytest.Collector = ScenarioFile.from_parent(parent, path=file_path)
     return collector

@@ -1,4 +1,5 @@
-"""The pytest plugin, from outside: ordinary runs are left alone, scenarios are tests, failures are readable."""
+"""The pytest plugin, from outside: ordinary runs are left alone, scenarios are tests where asked for, failures are
+readable."""
 
 import pytest
 
@@ -11,10 +12,37 @@ STRICT = ("-p", "no:cacheprovider", "-W", "error", "--strict-markers", "-n", "0"
 
 @pytest.fixture
 def outside(pytester, monkeypatch):
-    """A project that knows nothing of this one's settings."""
+    """A project that knows nothing of this one's settings, but that its scenarios are tests."""
     monkeypatch.setenv("PYTEST_ADDOPTS", "")
-    pytester.makeini("[pytest]\n")
+    pytester.makeini("[pytest]\nfrontal_biped_scenarios = true\n")
     return pytester
+
+
+@pytest.fixture
+def strangers(outside):
+    """A project that has never heard of the plugin; its scenario would run a module that leaves a trace."""
+    outside.makeini("[pytest]\n")
+    outside.makefile(".scenario.toml", theirs='steps = 1\ncontroller = "trace:make"\n')
+    outside.makepyfile(trace="from pathlib import Path\nPath('trace').touch()\n", test_own="def test_own(): pass")
+    return outside
+
+
+def test_a_project_that_does_not_ask_is_left_alone(strangers):
+    strangers.runpytest_subprocess(*STRICT).assert_outcomes(passed=1)
+    strangers.runpytest_subprocess(*STRICT, ".").assert_outcomes(passed=1)
+    assert not (strangers.path / "trace").exists()
+
+
+@pytest.mark.parametrize("asked", [("--scenarios",), ("theirs.scenario.toml",), ("-o", "frontal_biped_scenarios=yes")])
+def test_it_may_be_asked_for_on_the_command_line(strangers, asked):
+    """The module is imported, and has no factory."""
+    run = strangers.runpytest_subprocess(*STRICT, *asked)
+    assert run.parseoutcomes()["failed"] == 1
+    run.stdout.fnmatch_lines(["*theirs.scenario.toml: controller = 'trace:make': module 'trace' has no 'make'*"])
+
+
+def test_it_can_be_left_out(strangers):
+    strangers.runpytest_subprocess(*STRICT, "-p", "no:frontal_biped").assert_outcomes(passed=1)
 
 
 def test_ordinary_run_imports_neither_pinocchio_nor_numpy(outside):

@@ -86,6 +86,8 @@ def run(arguments: argparse.Namespace) -> int:
         )
     if result.gait is None:
         sys.stderr.write(f"frontal-biped: no gait: {biped.name}: {result.message}\n")
+        if arguments.json:
+            emit(arguments, _table(biped, result, None), "")
         return TASK_FAILED
     save_gait(result.gait, output)
     emit(arguments, *_report(arguments, biped, result, output))
@@ -105,18 +107,6 @@ def _report(
     """For JSON, and as text; what the gait needs is told as `analyze` tells it."""
     from frontal_biped.analysis.closed_form import analyze
 
-    table = {
-        "success": result.success,
-        "message": result.message,
-        "iterations": result.iterations,
-        "evaluations": result.evaluations,
-        "seconds": result.seconds,
-        "walk": None if result.walk is None else result.walk.as_dict(),
-        "tightened": [asdict(change) for change in result.tightened],
-        "output": str(output),
-        "asymmetry": biped.asymmetry.as_dict(),
-        "constraints": None if result.report is None else result.report.as_dict(),
-    }
     gait = result.gait
     assert gait is not None
     reached = (
@@ -127,4 +117,21 @@ def _report(
     share = 100.0 * biped.asymmetry.mass_matrix
     legs = f"\nlegs averaged; they differ by {share:.2g} % of the mass matrix" if biped.asymmetry.differences else ""
     effort = f"{result.iterations} iterations, {result.evaluations} evaluations, {result.seconds:.2f} s"
+    table = _table(biped, result, output)
     return table, report(arguments, [reached, needs], [f"{result.report}\n\n{effort}{legs}"], [])
+
+
+def _table(biped: "FrontalBiped", result: "DesignResult", output: Path | None) -> dict[str, object]:
+    """For JSON, with a gait or without."""
+    return {
+        "success": result.success,
+        "message": result.message,
+        "iterations": result.iterations,
+        "evaluations": result.evaluations,
+        "seconds": result.seconds,
+        "walk": None if result.walk is None else result.walk.as_dict(),
+        "tightened": [asdict(change) for change in result.tightened],
+        "output": None if output is None else str(output),
+        "asymmetry": biped.asymmetry.as_dict(),
+        "constraints": None if result.report is None else result.report.as_dict(),
+    }

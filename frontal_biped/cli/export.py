@@ -1,7 +1,6 @@
 """`frontal-biped export`: the whole robot of a run as CSV, NPZ or MCAP, or GIF, PNG or page, by the file's ending."""
 
 import argparse
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
@@ -17,6 +16,7 @@ from frontal_biped.cli.arguments import (
 from frontal_biped.cli.exit_status import SUCCESS
 from frontal_biped.cli.output import require_output
 from frontal_biped.cli.progress import Progress
+from frontal_biped.cli.surroundings import write_out
 from frontal_biped.exceptions import FrontalBipedError
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ def run(arguments: argparse.Namespace) -> int:
         _require_number("--fps", arguments.fps, "pictures", source.duration, MOST_PICTURES)
     with Progress(f"writing {target.name}"):
         _write(arguments, target, source)
-    sys.stdout.write(f"{target}: {target.stat().st_size / 1e6:.2f} MB\n")
+    write_out(f"{target}: {target.stat().st_size / 1e6:.2f} MB\n")
     return SUCCESS
 
 

@@ -2,11 +2,16 @@
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from frontal_biped.cli.arguments import add_jobs, add_json, folder
 from frontal_biped.cli.exit_status import SUCCESS
 from frontal_biped.cli.output import emit
 from frontal_biped.cli.progress import Progress
+
+if TYPE_CHECKING:
+    from frontal_biped.library.build import LibraryReport
+    from frontal_biped.library.sweep import Sweep
 
 SUMMARY = "Design a gait for every point of a grid of specifications; run it again to resume one that was interrupted."
 EXAMPLE = "frontal-biped library sweep.toml -o gaits --jobs 2"
@@ -26,14 +31,32 @@ def run(arguments: argparse.Namespace) -> int:
     """Design what the folder lacks."""
     from dataclasses import asdict
 
-    from frontal_biped.cli.workers import workers
     from frontal_biped.files.atomic import require_folder
-    from frontal_biped.library.build import build_library
-    from frontal_biped.library.executors import dask_executor
     from frontal_biped.library.sweep import read_sweep
 
     sweep = read_sweep(arguments.sweep)
     require_folder(arguments.output)
+    try:
+        report = _built(arguments, sweep)
+    except KeyboardInterrupt as stop:
+        stop.add_note("run the same command again to go on: what is finished is kept")
+        raise
+    table = {**asdict(report), "index": str(report.index), "gaits_per_second": report.gaits_per_second}
+    earlier = f", {report.found} of them by an earlier run" if report.found else ""
+    emit(
+        arguments,
+        table,
+        f"{report.points} points{earlier}: {report.gaits} gaits, {report.failures} without one\n"
+        f"{report.seconds:.1f} s, {report.gaits_per_second:.2f} points a second; table in {report.index}",
+    )
+    return SUCCESS
+
+
+def _built(arguments: argparse.Namespace, sweep: "Sweep") -> "LibraryReport":
+    from frontal_biped.cli.workers import workers
+    from frontal_biped.library.build import build_library
+    from frontal_biped.library.executors import dask_executor
+
     designers = workers(arguments.jobs) if arguments.dask is None else dask_executor(arguments.dask)
     with Progress("designing: gait", len(sweep.points())) as progress, designers as executor:
         before: list[int] = []
@@ -44,13 +67,4 @@ def run(arguments: argparse.Namespace) -> int:
             left = f"{rate:.2f} a second, about {(total - done) / rate:.0f} s to go" if rate > 0.0 else ""
             progress.update(left, done)
 
-        report = build_library(sweep, arguments.output, executor, show)
-    table = {**asdict(report), "index": str(report.index), "gaits_per_second": report.gaits_per_second}
-    earlier = f", {report.found} of them by an earlier run" if report.found else ""
-    emit(
-        arguments,
-        table,
-        f"{report.points} points{earlier}: {report.gaits} gaits, {report.failures} without one\n"
-        f"{report.seconds:.1f} s, {report.gaits_per_second:.2f} points a second; table in {report.index}",
-    )
-    return SUCCESS
+        return build_library(sweep, arguments.output, executor, show)

@@ -1,14 +1,17 @@
 """Entry point of `frontal-biped`: the commands, and errors in one line."""
 
 import argparse
-import os
+import contextlib
+import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NoReturn, Protocol
 
 from frontal_biped.cli import analyze, demo, design, export, library, plot, robots, simulate, studio, trial, view, walk
 from frontal_biped.cli.exit_status import TASK_FAILED, USAGE
-from frontal_biped.exceptions import FrontalBipedError
+from frontal_biped.cli.interruption import interruptible
+from frontal_biped.cli.surroundings import FORESEEN, open_streams, quieten_libraries, silence, told, write_out
+from frontal_biped.exceptions import FrontalBipedError, Interruption
 from frontal_biped.files.names import require_utf8_name
 from frontal_biped.files.spelling import respelt
 from frontal_biped.version import __version__
@@ -38,41 +41,63 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run a command line.
 
     Args:
-        argv: arguments after the program's name; default: those of the process.
+        argv: arguments after the program's name; default: those of the process, which ends when they are done.
 
     Returns:
-        0 on success, 1 if the task failed (no gait found, not certified, the robot fell), 2 on bad input.
+        0 on success, 1 if the task failed (no gait found, not certified, the robot fell), 2 on bad input or where the
+        computer stands in the way; 128 and the signal's number, 130 for Ctrl+C, if it was interrupted.
     """
+    try:
+        with interruptible(to_the_end=argv is None):
+            status = _run(sys.argv[1:] if argv is None else argv)
+    except KeyboardInterrupt as stop:  # between two lines of this function
+        status = _interrupted(stop)
+    silence()
+    return status
+
+
+def _run(words: Sequence[str]) -> int:
+    """What `main` returns; every error in one line."""
+    debug = "--debug" in words
+    try:
+        open_streams()
+        quieten_libraries()
+        return _status(words)
+    except KeyboardInterrupt as stop:
+        return _interrupted(stop)
+    except BrokenPipeError:  # the reader of our output has gone; leave quietly, as other tools do
+        return TASK_FAILED
+    except FrontalBipedError as error:
+        if debug:
+            raise
+        return _complain(str(error))
+    except FORESEEN as error:
+        if debug:
+            raise
+        return _complain(told(error))
+
+
+def _status(words: Sequence[str]) -> int:
+    for word in words:
+        require_utf8_name(word, FrontalBipedError)
     parser = make_parser()
     try:
-        words = sys.argv[1:] if argv is None else argv
-        for word in words:
-            require_utf8_name(word, FrontalBipedError)
-    except FrontalBipedError as error:
-        return _complain(str(error))
-    try:
-        arguments = parser.parse_args(_respelt_command(words))
+        arguments, unknown = parser.parse_known_args(_respelt_command(words))
+        if unknown:
+            parser.of_command(arguments.command).error(f"unrecognized arguments: {' '.join(unknown)}")
     except SystemExit as stop:  # argparse: --help, --version, or a usage error it has printed
         return int(stop.code or 0)
     if arguments.command is None:
         parser.print_help()
         return USAGE
-    if arguments.debug:
-        return int(arguments.run(arguments))
-    try:
-        status = int(arguments.run(arguments))
-        sys.stdout.flush()  # what cannot be written is told here, not by the interpreter at its end
-        return status
-    except FrontalBipedError as error:
-        return _complain(str(error))
-    except BrokenPipeError:
-        # the reader of our output has gone; leave quietly, as other tools do
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return TASK_FAILED
-    except OSError as error:
-        return _complain(f"{error.filename or 'file system'}: {error.strerror or error}; choose another path")
-    except KeyboardInterrupt:
-        return _complain("interrupted; nothing was left half-written")
+    return int(arguments.run(arguments))
+
+
+def _interrupted(stop: KeyboardInterrupt) -> int:
+    """One line, with what the command has to say about it, and the status that shells know."""
+    notes = getattr(stop, "__notes__", ["nothing was left half-written"])
+    _complain("; ".join(["interrupted", *notes]))
+    return stop.exit_status if isinstance(stop, Interruption) else Interruption(signal.SIGINT).exit_status
 
 
 def _respelt_command(words: Sequence[str]) -> list[str]:
@@ -87,12 +112,27 @@ def _name(command: Command) -> str:
 
 
 def _complain(message: str) -> int:
-    sys.stderr.write(f"frontal-biped: error: {' '.join(message.split())}\n")
+    with contextlib.suppress(OSError):  # the status still tells
+        sys.stderr.write(f"frontal-biped: error: {' '.join(message.split())}\n")
     return USAGE
 
 
 class _Parser(argparse.ArgumentParser):
     """A parser whose complaint is one line; argparse would print the usage before it, up to eight lines."""
+
+    commands: "Mapping[str, _Parser] | None" = None
+    """Of the whole program: the parsers of its commands."""
+
+    def of_command(self, name: str | None) -> "_Parser":
+        """The parser of a command; the program's own where none is given."""
+        return self if self.commands is None or name is None else self.commands[name]
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """Help goes out as everything else does; argparse would not say that it could not be written."""
+        if message and file in (None, sys.stdout):
+            write_out(message)
+        else:
+            super()._print_message(message, file)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Options may be spelt the British or the American way."""
@@ -117,11 +157,11 @@ class _Version(argparse.Action):
         from frontal_biped.files.provenance import software_versions
 
         versions = software_versions()
-        sys.stdout.write("".join(f"{name} {version}\n" for name, version in versions.items()))
+        write_out("".join(f"{name} {version}\n" for name, version in versions.items()))
         parser.exit()
 
 
-def make_parser() -> argparse.ArgumentParser:
+def make_parser() -> _Parser:
     """The parser of every command."""
     parser = _Parser(
         prog="frontal-biped",
@@ -142,4 +182,5 @@ def make_parser() -> argparse.ArgumentParser:
         )
         command.add_arguments(own)
         own.set_defaults(run=command.run)
+    parser.commands = subparsers.choices
     return parser

@@ -3,15 +3,17 @@
 import argparse
 import errno
 import json
-import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+from frontal_biped.cli.surroundings import write_out
+from frontal_biped.files.json_values import for_json
 
-def emit(arguments: argparse.Namespace, table: Mapping[str, Any], text: str) -> None:
+
+def emit(arguments: argparse.Namespace, table: dict[str, Any], text: str) -> None:
     """Print a report: as JSON with ``--json``, else as text."""
-    sys.stdout.write((json.dumps(table, indent=1) if arguments.json else text) + "\n")
+    write_out((json.dumps(for_json(table), indent=1) if arguments.json else text) + "\n")
 
 
 def report(

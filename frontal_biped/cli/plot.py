@@ -1,10 +1,10 @@
 """`frontal-biped plot`."""
 
 import argparse
-import sys
 
 from frontal_biped.cli.arguments import add_robot, add_source, add_value, figure_formats, folder
 from frontal_biped.cli.exit_status import SUCCESS
+from frontal_biped.cli.surroundings import write_out
 
 SUMMARY = "Write the paper's figures and more; of a walk in space footsteps, pressure, limits and speed."
 EXAMPLE = "frontal-biped plot run.npz -o figures"
@@ -25,7 +25,9 @@ def run(arguments: argparse.Namespace) -> int:
     from frontal_biped.cli.sources import is_spatial, load_source, load_spatial_source
     from frontal_biped.figures.space import write_space_figures
     from frontal_biped.figures.write import write_figures
+    from frontal_biped.files.atomic import require_folder
 
+    require_folder(arguments.output)
     if is_spatial(arguments.source):
         walk = load_spatial_source(arguments.source, arguments.robot)
         paths = write_space_figures(
@@ -35,5 +37,5 @@ def run(arguments: argparse.Namespace) -> int:
         source = load_source(arguments.source, arguments.robot)
         paths = write_figures(arguments.output, source.biped, source.gait, source.run, arguments.format)
     for path in paths:
-        sys.stdout.write(f"{path}\n")
+        write_out(f"{path}\n")
     return SUCCESS

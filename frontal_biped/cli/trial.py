@@ -36,6 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Read all scenarios first, so that a bad one is told before the first step is walked."""
+    from contextlib import redirect_stdout
     from dataclasses import replace
 
     from frontal_biped.cli.workers import workers
@@ -72,16 +73,17 @@ def run(arguments: argparse.Namespace) -> int:
             progress.update(f"step {step}", len(finished))
 
         progress.update("robot and gait", 0)
-        results = run_trials(
-            scenarios,
-            repeat=arguments.repeat,
-            seed=arguments.seed,
-            numbers=None if arguments.only is None else [arguments.only],
-            executor=executor,
-            save=arguments.save,
-            on_trial=on_trial,
-            on_step=on_step,
-        )
+        with redirect_stdout(sys.stderr):  # what a controller prints is no part of the report
+            results = run_trials(
+                scenarios,
+                repeat=arguments.repeat,
+                seed=arguments.seed,
+                numbers=None if arguments.only is None else [arguments.only],
+                executor=executor,
+                save=arguments.save,
+                on_trial=on_trial,
+                on_step=on_step,
+            )
     passed = all(result.passed for result in results)
     if arguments.junit is not None:
         write_junit(results, arguments.junit)

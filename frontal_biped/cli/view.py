@@ -1,7 +1,6 @@
 """`frontal-biped view`: runs in the browser, live or as one offline page."""
 
 import argparse
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,6 +8,7 @@ from frontal_biped.cli.arguments import add_no_open, add_page, add_robot, add_so
 from frontal_biped.cli.exit_status import SUCCESS
 from frontal_biped.cli.output import require_output
 from frontal_biped.cli.progress import Progress
+from frontal_biped.cli.surroundings import write_out
 from frontal_biped.exceptions import FrontalBipedError
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def _write(path: Path, page: str) -> None:
     from frontal_biped.files.atomic import write_text
 
     write_text(path, page)
-    sys.stdout.write(f"{path}: {path.stat().st_size / 1e6:.2f} MB, opens in any browser, offline\n")
+    write_out(f"{path}: {path.stat().st_size / 1e6:.2f} MB, opens in any browser, offline\n")
 
 
 def _robot(arguments: argparse.Namespace) -> int:

@@ -1,11 +1,28 @@
 """The processes that `--jobs` asks for."""
 
-from concurrent.futures import Executor
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Iterator
+from concurrent.futures import BrokenExecutor, Executor
+from contextlib import contextmanager
 
+from frontal_biped.exceptions import FrontalBipedError
 from frontal_biped.library.executors import worker_processes
 
 
-def workers(jobs: int) -> AbstractContextManager[Executor | None]:
-    """Worker processes; none for one job, which this process does itself."""
-    return worker_processes(jobs) if jobs > 1 else nullcontext()
+@contextmanager
+def workers(jobs: int) -> Iterator[Executor | None]:
+    """Worker processes; none for one job, which this process does itself.
+
+    Raises:
+        FrontalBipedError: one of them ended before its work.
+    """
+    if jobs == 1:
+        yield None
+        return
+    try:
+        with worker_processes(jobs) as executor:
+            yield executor
+    except BrokenExecutor:
+        raise FrontalBipedError(
+            f"--jobs {jobs}: a worker process ended before its work, killed or out of memory; run it again, perhaps"
+            " with fewer --jobs"
+        ) from None

@@ -1,31 +1,75 @@
 """What a controller that is an object may answer: checked where it drives a robot, for users write controllers too."""
 
+from collections.abc import Iterable, Mapping
+from typing import Any
+
 import numpy as np
 
+from frontal_biped.control.interface import PhaseEvent
 from frontal_biped.exceptions import ControllerError
+from frontal_biped.model.stance_map import Stance
+from frontal_biped.virtual_constraints.phase import StepPhase
+
+_READ: Mapping[str, Mapping[str, Any]] = {
+    "tick": {"phase": StepPhase, "stance": Stance, "event": (PhaseEvent, type(None)), "q": 4, "y": 3},
+    "command": {"y": 3},
+}
+"""What a simulator reads of an answer beside the torques: the class of an attribute, or how many numbers it holds."""
 
 
-def check_answer(answer: object, torques: str, count: int, asked: str, t: float) -> None:
-    """Raise ControllerError, in one line, for an answer without torques that motors could give.
+def check_answer(answer: object, torques: str, count: int, asked: str, t: float, also: Iterable[str] = ()) -> None:
+    """Raise ControllerError, in one line, for an answer without torques that motors could give, or without the rest.
 
     Args:
         answer: of the controller.
         torques: attribute of the answer that holds them.
         count: how many there must be.
-        asked: the method that was asked, for the message.
+        asked: the method that was asked, "tick" or "command".
         t: when [s].
+        also: names that the answer must have besides.
     """
     values = getattr(answer, torques, None)
+    if _numbers(values, count) is None or not np.isfinite(np.asarray(values)).all():
+        told = f"with {torques} = {_shown(values)}" if hasattr(answer, torques) else f"without {torques}"
+        raise ControllerError(
+            f"the controller's {asked} at t = {t:.4f} s returned {type(answer).__name__} {told}; return an object whose"
+            f" {torques} are {count} finite numbers (N m)"
+        )
+    for name, wanted in _READ[asked].items():
+        value = getattr(answer, name, None)
+        fits = _numbers(value, wanted) is not None if isinstance(wanted, int) else isinstance(value, wanted)
+        if not (fits and hasattr(answer, name)):
+            told = f"with {name} = {_shown(value)}" if hasattr(answer, name) else f"without {name}"
+            raise ControllerError(
+                f"the controller's {asked} at t = {t:.4f} s returned {type(answer).__name__} {told}; give it"
+                f" {_words(wanted)}"
+            )
+    for name in ("p_fri_target", *also):
+        if not hasattr(answer, name):
+            raise ControllerError(
+                f"the controller's {asked} at t = {t:.4f} s returned {type(answer).__name__} without {name};"
+                " give it one"
+            )
+
+
+def _numbers(values: object, count: int) -> np.ndarray[Any, Any] | None:
+    """The array of so many real numbers that the values are; None: they are none."""
     try:
-        array = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        array = np.zeros(0)
-    if array.shape == (count,) and np.isfinite(array).all():
-        return
-    told = (
-        f"with {torques} = {' '.join(repr(values).split())[:60]}" if hasattr(answer, torques) else f"without {torques}"
-    )
-    raise ControllerError(
-        f"the controller's {asked} at t = {t:.4f} s returned {type(answer).__name__} {told}; return an object whose"
-        f" {torques} are {count} finite numbers (N m)"
-    )
+        array = np.asarray(values)
+    except Exception:  # a class of the user's may answer this with anything
+        return None
+    return array if array.shape == (count,) and array.dtype.kind in "iuf" else None
+
+
+def _shown(values: object) -> str:
+    try:
+        return " ".join(repr(values).split())[:60]
+    except Exception:
+        return type(values).__name__
+
+
+def _words(wanted: Any) -> str:
+    if isinstance(wanted, int):
+        return f"{wanted} numbers"
+    kinds = wanted if isinstance(wanted, tuple) else (wanted,)
+    return " or ".join("None" if kind is type(None) else f"a member of {kind.__name__}" for kind in kinds)

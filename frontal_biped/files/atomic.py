@@ -40,8 +40,8 @@ def atomic_path(target: Path) -> Iterator[Path]:
     temporary = real.with_name(f".{real.stem[:40]}.{secrets.token_hex(4)}{real.suffix[:20]}")
     with _named(target, temporary):
         real.parent.mkdir(parents=True, exist_ok=True)
-        os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))  # less the umask
-        try:
+        try:  # from here on, lest Ctrl+C leaves the file between its making and its being known
+            os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))  # less the umask
             with contextlib.suppress(FileNotFoundError):
                 temporary.chmod(stat.S_IMODE(real.stat().st_mode))
             yield temporary

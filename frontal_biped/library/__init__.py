@@ -2,7 +2,8 @@
 
 ``frontal-biped library sweep.toml -o DIR --jobs 2`` designs a gait for every point of a grid (`sweep` has the file's
 keys). Kill it at any moment and run it again: nothing is lost, nothing repeated, and ``DIR/index.csv`` comes out byte
-for byte the same.
+for byte the same. A library knows the fingerprints of its robots, and every file its point: another robot, or a file
+that is not of its point, is refused. One process at a time builds it.
 
 From Python, ``build_library(sweep, folder, executor)`` takes any `concurrent.futures.Executor` whose workers share the
 folder: ``worker_processes(2)``; Dask, ``--dask tcp://host:8786`` or ``Client(...).get_executor()``; MPI, run

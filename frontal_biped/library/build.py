@@ -5,14 +5,16 @@ yields therefore depends on the batch alone, not on the executor, the number of 
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
 from frontal_biped.design.optimise import optimise_gait
-from frontal_biped.exceptions import FrontalBipedError
+from frontal_biped.exceptions import FrontalBipedError, LibraryError
+from frontal_biped.library.executors import lost_workers
+from frontal_biped.library.lock import locked
 from frontal_biped.library.store import LibraryStore
 from frontal_biped.library.sweep import GridPoint, Sweep
 from frontal_biped.model.biped import FrontalBiped
@@ -65,14 +67,25 @@ def build_library(
         What was done.
 
     Raises:
-        LibraryError: the folder holds a library of another grid.
+        LibraryError: the folder holds a library of another grid or other robots, or a file that is not of its point;
+            another process is building it; or a worker is lost. What is finished is kept.
         RobotError: a robot of the grid cannot be loaded.
     """
+    _robot.cache_clear()  # a file may have been edited since
+    fingerprints = {robot: _robot(robot).fingerprint for robot in sweep.robots}
+    with locked(folder):
+        return _build(sweep, LibraryStore(folder), fingerprints, executor, on_progress)
+
+
+def _build(
+    sweep: Sweep,
+    store: LibraryStore,
+    fingerprints: Mapping[str, str],
+    executor: Executor | None,
+    on_progress: Progress | None,
+) -> LibraryReport:
     began = time.perf_counter()
-    for robot in sweep.robots:
-        _robot(robot)
-    store = LibraryStore(folder)
-    store.open_for(sweep)
+    store.open_for(sweep, fingerprints)
     points, batches = sweep.points(), sweep.batches()
     found = sum(store.finished(point.number) for point in points)
 
@@ -84,9 +97,9 @@ def build_library(
     open_batches = [batch for batch in batches if not all(store.finished(point.number) for point in batch)]
     if executor is None:
         for batch in open_batches:
-            design_batch(folder, batch, show)
+            design_batch(store.folder, batch, show)
     else:
-        _spread(executor, folder, open_batches, show)
+        _spread(executor, store.folder, open_batches, show)
     index = store.write_index(sweep)
     gaits = sum(store.gait_path(point.number).is_file() for point in points)
     seconds = time.perf_counter() - began
@@ -94,17 +107,22 @@ def build_library(
 
 
 def _spread(executor: Executor, folder: Path, batches: list[tuple[GridPoint, ...]], show: Callable[[], None]) -> None:
-    waiting: set[Future[int]] = {executor.submit(design_batch, folder, batch) for batch in batches}
+    waiting: set[Future[int]] = set()
     try:
+        for batch in batches:
+            waiting.add(executor.submit(design_batch, folder, batch))
         while waiting:
             done, waiting = wait(waiting, timeout=POLL, return_when=FIRST_COMPLETED)
             for future in done:
                 future.result()
             show()
-    except BaseException:
+    except lost_workers():
+        raise LibraryError(
+            f"{folder}: a worker ended before its work, killed or out of memory; run it again: what is finished is kept"
+        ) from None
+    finally:
         for future in waiting:
             future.cancel()
-        raise
 
 
 def design_batch(folder: Path, batch: tuple[GridPoint, ...], on_point: Callable[[], None] | None = None) -> int:
@@ -117,22 +135,39 @@ def design_batch(folder: Path, batch: tuple[GridPoint, ...], on_point: Callable[
 
     Returns:
         Number of points designed.
+
+    Raises:
+        LibraryError: a file of the batch is not of its point, or the robot is not the library's any more.
     """
     store = LibraryStore(folder)
+    fingerprints = store.fingerprints()
     designed = 0
     for i, point in enumerate(batch):
         if store.finished(point.number):
             continue
-        start = next((gait for before in reversed(batch[:i]) if (gait := store.gait(before.number)) is not None), None)
+        found = (store.gait(before, fingerprints) for before in reversed(batch[:i]))
+        start = next((gait for gait in found if gait is not None), None)
+        biped = _robot_of(point.robot, fingerprints[point.robot])
         try:
-            result = optimise_gait(_robot(point.robot), point.specification, start=start)
-            store.save(point, result.gait, result.message)
+            result = optimise_gait(biped, point.specification, start=start)
+            gait, message = result.gait, result.message
         except FrontalBipedError as error:  # a point without a pose to start from must not end the batch
-            store.save(point, None, str(error))
+            gait, message = None, str(error)
+        store.save(point, gait, message, biped.fingerprint)
         designed += 1
         if on_point is not None:
             on_point()
     return designed
+
+
+def _robot_of(name: str, fingerprint: str) -> FrontalBiped:
+    """The robot that the library is of; a worker may have known another one of that name."""
+    if _robot(name).fingerprint != fingerprint:
+        _robot.cache_clear()
+    biped = _robot(name)
+    if biped.fingerprint != fingerprint:
+        raise LibraryError(f"{biped.path}: has changed while the library was built; put it back and run it again")
+    return biped
 
 
 @lru_cache(maxsize=8)

@@ -49,20 +49,25 @@ class GaitLibrary:
         folder: of the library.
 
     Raises:
-        LibraryError: there is no library.
+        LibraryError: there is no library, or what says what it holds cannot be read.
     """
 
     def __init__(self, folder: Path | str) -> None:
         self.store = LibraryStore(Path(folder))
         self.sweep = self.store.sweep()
+        self.fingerprints = self.store.fingerprints()
         self.points = self.sweep.points()
 
     def __len__(self) -> int:
         return len(self.points)
 
     def gait(self, number: int) -> Gait | None:
-        """The gait of a point of the grid, or None if it has none."""
-        return self.store.gait(number)
+        """The gait of a point of the grid, or None if it has none.
+
+        Raises:
+            LibraryError: its file cannot be read, or is of another point or robot.
+        """
+        return self.store.gait(self.points[number], self.fingerprints)
 
     def blend(self, biped: FrontalBiped, at: Mapping[str, float | tuple[float, ...]]) -> BlendedGait:
         """The gait at values between those of the axes.
@@ -73,8 +78,8 @@ class GaitLibrary:
 
         Raises:
             SpecificationError: an axis is missing or unknown, a value lies outside its range, or the robot is not in
-                the library.
-            LibraryError: a neighbour has no gait.
+                the library, or has another URDF or description there.
+            LibraryError: a neighbour has no gait, or its file is not its own.
             UnreachablePoseError, ReversalError: the blend has no step.
         """
         corners = self._corners(biped, at)
@@ -82,10 +87,15 @@ class GaitLibrary:
         problem = DesignProblem(biped, specification, OPTIMISER_NODES)
         x = np.zeros(problem.size)
         for point, weight in corners:
-            gait = self.store.gait(point.number)
+            gait = self.gait(point.number)
             if gait is None:
                 reason = self.store.failure_path(point.number)
                 raise LibraryError(f"point {point.number} of the library has no gait ({reason.name} says why)")
+            if gait.robot.fingerprint != biped.fingerprint:
+                raise SpecificationError(
+                    f"{self.store.folder}: its gaits were designed for another URDF or description of {biped.name!r};"
+                    " give the robot they were designed for, or design them again in a new folder"
+                )
             x += weight * problem.variables(gait)
         closed = close_step(problem, x)
         report = check_constraints(biped, specification, *closed.phases, closed.step)

@@ -6,8 +6,8 @@ A scenario is a short file (`frontal_biped.scenarios.file` has every key). It is
   its 95 % Wilson interval, and every expectation that failed with its trial, which ``--only K --save runs`` walks
   again for `view`. The same seed gives the same digits on any `concurrent.futures.Executor`
   (``run_trials(..., executor=...)``);
-* by pytest: once the package is installed, every ``*.scenario.toml`` is a test, and a failure is a report without a
-  traceback;
+* by pytest: in a project that says ``frontal_biped_scenarios = true`` every ``*.scenario.toml`` is a test, and a
+  failure is a report without a traceback (`frontal_biped.pytest_plugin`);
 * from Python: ``run_scenario(load_scenario(path), controller=...)``.
 
 Your own controller comes in by name, ``controller = "my_module:make"``, or from a test:

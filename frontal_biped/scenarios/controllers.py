@@ -1,9 +1,11 @@
 """The controller of a trial: one of the package's, or the user's own by "module:factory"."""
 
+import contextlib
 import importlib
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from types import ModuleType
 from typing import Any
 
 from frontal_biped.control.controller import QpController
@@ -16,6 +18,7 @@ from frontal_biped.control.walker.walker import Walker
 from frontal_biped.exceptions import FrontalBipedError, ScenarioError
 from frontal_biped.scenarios.preparation import Conditions, Prepared
 from frontal_biped.scenarios.scenario import Scenario
+from frontal_biped.scenarios.user_code import guarded, users_own
 
 QP_STABILISER = "ankle+step"
 """Of the controller that is told state and events, where the scenario names none."""
@@ -61,12 +64,7 @@ def make_controller(
     if Contract.of(factory) is None and not is_joint_law(factory):
         if not callable(factory):
             raise ScenarioError(f"{where}: {type(factory).__name__} is no factory; name a function of (robot, gait)")
-        try:
-            factory = factory(prepared.biped, prepared.gait, period=choice.period, **dict(choice.arguments))
-        except (FrontalBipedError, TypeError) as error:
-            raise ScenarioError(
-                f"{where}: the factory refused, {error}; it is called as (robot, gait, period=...)"
-            ) from None
+        factory = made_by(factory, where, (prepared.biped, prepared.gait), scenario, "(robot, gait, period=...)")
     if Contract.of(factory) is None and is_joint_law(factory):
         factory = LawWalker(prepared.biped, factory, choice.period)
     contract = Contract.of(factory)
@@ -80,7 +78,32 @@ def make_controller(
             f"{where}: begin and command are told state and events, which only our simulator can;"
             ' give it tick and reset as Walker has, or write simulator = "ours"'
         )
-    return factory, contract
+    return guarded(factory, where), contract
+
+
+def made_by(factory: Factory, where: str, given: tuple[Any, ...], scenario: Scenario, called_as: str) -> Any:
+    """The controller that a user's factory makes.
+
+    Args:
+        factory: to call.
+        where: begins every complaint.
+        given: its first arguments.
+        scenario: with the others.
+        called_as: for the complaint.
+
+    Raises:
+        ScenarioError: it raised something; one line.
+    """
+    remedy = f"it is called as {called_as}"
+    try:
+        with users_own(where, "the factory", remedy):
+            return factory(*given, period=scenario.controller.period, **dict(scenario.controller.arguments))
+    except ScenarioError as error:
+        if isinstance(error.__cause__, TypeError):  # called with other arguments, most likely
+            raise ScenarioError(f"{where}: the factory refused, {error.__cause__}; {remedy}") from error.__cause__
+        raise
+    except FrontalBipedError as error:
+        raise ScenarioError(f"{where}: the factory refused, {error}; {remedy}") from None
 
 
 def _settings(prepared: Prepared) -> ControllerSettings:
@@ -103,14 +126,19 @@ def named_factory(scenario: Scenario) -> Factory:
     folder = str(scenario.path.resolve().parent)
     sys.path.insert(0, folder)
     try:
-        module = importlib.import_module(module_name)
-    except ImportError as error:
-        raise ScenarioError(f"{where}: {error}; put {module_name}.py beside the scenario or install it") from None
-    except Exception as error:  # whatever the user's module does when it is imported
-        raise ScenarioError(f"{where}: importing it fails, {type(error).__name__}: {error}; mend the module") from None
+        with users_own(where, "importing it", "mend the module"):
+            module = _imported(where, module_name)
     finally:
-        sys.path.remove(folder)
+        with contextlib.suppress(ValueError):  # the module may have done it
+            sys.path.remove(folder)
     if not hasattr(module, name):
         raise ScenarioError(f"{where}: module {module_name!r} has no {name!r}; name one of its functions")
     factory: Factory = getattr(module, name)
     return factory
+
+
+def _imported(where: str, name: str) -> ModuleType:
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise ScenarioError(f"{where}: {error}; put {name}.py beside the scenario or install it") from None

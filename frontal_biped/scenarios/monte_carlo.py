@@ -3,7 +3,7 @@
 import pickle
 import threading
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -127,7 +127,7 @@ def run_trials(
         One result for each scenario, in order; the runs themselves are not kept.
 
     Raises:
-        ScenarioError: as `run_scenario`; before the first trial where that can be known.
+        ScenarioError: as `run_scenario`; before the first trial where that can be known. Or a worker is lost.
     """
     if save is not None:
         require_folder(save)
@@ -154,8 +154,14 @@ def run_trials(
             executor.submit(_trial_elsewhere, pickle.dumps(scenarios[i]), number, seed, save): (i, number)
             for i, number in tasks
         }
-        for future in _as_completed(futures):
-            finish(futures[future], future.result())
+        try:
+            for future in _as_completed(futures):
+                finish(futures[future], future.result())
+        except BrokenExecutor:
+            raise ScenarioError(
+                f"{', '.join(str(scenario.path) for scenario in scenarios)}: a worker ended before its trial, killed,"
+                " out of memory, or ended by the controller; run it again, in one process to see which trial it is"
+            ) from None
     return tuple(
         ScenarioResult(scenario, tuple(found[task] for task in tasks if task[0] == i))
         for i, scenario in enumerate(scenarios)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.control.interface import Contract
+from frontal_biped.exceptions import ControllerError
 from frontal_biped.files.shown import html_table
 from frontal_biped.gait.file import gait_to_dict
 from frontal_biped.scenarios.controllers import Factory, make_controller
@@ -17,6 +18,7 @@ from frontal_biped.scenarios.preparation import Conditions, Prepared, conditions
 from frontal_biped.scenarios.scenario import Scenario
 from frontal_biped.scenarios.space_measures import spatial_measures
 from frontal_biped.scenarios.space_run import spatial_conditions, spatial_walker, walk_trial
+from frontal_biped.scenarios.user_code import folder_kept
 from frontal_biped.simulation.event_driven import simulate_walk
 from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.simulation.trajectory import Trajectory
@@ -118,7 +120,9 @@ def run_scenario(
         What was found; a fall is an outcome, not an error. The same scenario, number and seed give the same run.
 
     Raises:
-        ScenarioError: robot, gait or controller cannot be had; one line with file, field, value and remedy.
+        ScenarioError: robot, gait or controller cannot be had, or the controller raised something; one line with file,
+            field, value and remedy.
+        ControllerError: an answer of the controller cannot be used; one line likewise.
         MissingExtraError: the scenario asks for MuJoCo, which is not installed.
     """
     return run_trial(prepare(scenario), number, seed, controller, on_step)
@@ -135,7 +139,12 @@ def run_trial(
     began = time.perf_counter()
     scenario = prepared.scenario
     chosen_seed = scenario.seed if seed is None else seed
-    run, measured, drawn = _walked(prepared, trial_seed(chosen_seed, number), controller, on_step)
+    try:
+        with folder_kept():
+            run, measured, drawn = _walked(prepared, trial_seed(chosen_seed, number), controller, on_step)
+    except ControllerError as error:
+        given = "the controller given" if controller is not None else f"controller = {scenario.controller.kind!r}"
+        raise ControllerError(f"{scenario.path}: {given}: {error}") from None
     marked = {"scenario": scenario.name, "trial": number, "seed": chosen_seed, "drawn": dict(drawn)}
     run = replace(run, settings={**run.settings, "trial": marked})
     return TrialResult(

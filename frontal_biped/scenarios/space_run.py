@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -15,9 +15,10 @@ from frontal_biped.exceptions import FrontalBipedError, ScenarioError
 from frontal_biped.gait.file import gait_to_dict
 from frontal_biped.model.space.errors import SpatialErrors
 from frontal_biped.model.space.free_robot import FreeRobot
-from frontal_biped.scenarios.controllers import Factory, named_factory
+from frontal_biped.scenarios.controllers import Factory, made_by, named_factory
 from frontal_biped.scenarios.preparation import Draws, Picker, Prepared, start_of_push
 from frontal_biped.scenarios.scenario import CommandPlan, SpacePlan, SpatialPushPlan
+from frontal_biped.scenarios.user_code import guarded
 from frontal_biped.simulation.disturbances import Disturbances
 from frontal_biped.simulation.space.pushes import SpatialPush
 from frontal_biped.simulation.space.run import SpatialRun
@@ -128,12 +129,8 @@ def spatial_walker(
     if isinstance(made, type) or not (_is_walker(made) or is_joint_law(made)):
         if not callable(made):
             raise ScenarioError(f"{where}: {type(made).__name__} is no factory; name a function of (free, biped, gait)")
-        try:
-            made = made(free, prepared.biped, prepared.gait, period=period, **dict(choice.arguments))
-        except (FrontalBipedError, TypeError) as error:
-            raise ScenarioError(
-                f"{where}: the factory refused, {error}; it is called as (free, biped, gait, period=...)"
-            ) from None
+        given = (free, prepared.biped, prepared.gait)
+        made = made_by(made, where, given, scenario, "(free, biped, gait, period=...)")
     if not _is_walker(made) and is_joint_law(made):
         made = SpatialLawWalker(free, made, period)
     if not _is_walker(made):
@@ -141,8 +138,7 @@ def spatial_walker(
             f"{where}: {type(made).__name__} is no controller of a walk in space; give it reset, tick and command as"
             " SpatialWalker has, or make it a function of (t, q, v)"
         )
-    walker: SpatialTickable = made
-    return walker
+    return cast(SpatialTickable, guarded(made, where))
 
 
 def _is_walker(thing: object) -> bool:

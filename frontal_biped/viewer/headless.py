@@ -1,8 +1,10 @@
 """Pictures and animations of a page, taken by Chromium without a window."""
 
+import contextlib
 import io
 import shutil
 import tempfile
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +13,7 @@ from typing import Any
 from frontal_biped.exceptions import FrontalBipedError
 from frontal_biped.files.atomic import atomic_path
 from frontal_biped.files.extras import missing_extra
+from frontal_biped.files.signals import serve_signals, signals_wait
 from frontal_biped.viewer.markers import COLOURS
 
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
@@ -23,7 +26,8 @@ CHROMIUM_OPTIONS = (
     "--disable-quic",
     "--no-first-run",
 )
-_PATIENCE = 120_000  # [ms] for a software renderer and the meshes of a humanoid
+_PATIENCE = 120.0  # [s] for a software renderer and the meshes of a humanoid
+_SLICE = 500  # [ms] of it, between two looks at signals
 
 
 @contextmanager
@@ -45,12 +49,18 @@ def opened_page(html: str, size: tuple[int, int]) -> Iterator[Any]:
         from playwright.sync_api import Error, sync_playwright
     except ImportError:
         raise missing_extra("pictures need Playwright", "browser") from None
-    with tempfile.TemporaryDirectory(prefix="frontal-biped-") as folder, sync_playwright() as playwright:
+    with tempfile.TemporaryDirectory(prefix="frontal-biped-") as folder, _driver(sync_playwright) as playwright:
         path = Path(folder) / "page.html"
         path.write_text(html, encoding="utf-8")
         executable = next((found for name in CHROMIUM_NAMES if (found := shutil.which(name))), None)
         try:
-            chromium = playwright.chromium.launch(executable_path=executable, args=list(CHROMIUM_OPTIONS))
+            chromium = playwright.chromium.launch(
+                executable_path=executable,
+                args=list(CHROMIUM_OPTIONS),
+                handle_sigint=False,  # it is closed below
+                handle_sigterm=False,
+                handle_sighup=False,
+            )
         except Error as error:
             reason = "" if executable is None else f": {_first_line(error)}"
             found = "no Chromium was found" if executable is None else f"{executable} does not start"
@@ -60,18 +70,50 @@ def opened_page(html: str, size: tuple[int, int]) -> Iterator[Any]:
         try:
             page = chromium.new_page(viewport={"width": size[0], "height": size[1]})
             page.goto(path.as_uri())
-            page.wait_for_function("window.page && viewer.animator.duration > 0", timeout=_PATIENCE)
+            _wait(page, "window.page && viewer.animator.duration > 0")
             page.evaluate("page.seek(0)")
             yield page
         except Error as error:
             raise FrontalBipedError(f"Chromium could not show the page: {_first_line(error)}") from None
         finally:
-            chromium.close()
+            with contextlib.suppress(Error):  # it may have ended by itself
+                chromium.close()
 
 
-def picture(page: Any, time: float, selector: str = "body") -> bytes:
-    """PNG of a page at a time of its run [s], once it has been drawn."""
-    page.evaluate("(t) => page.seek(t)", time)
+@contextmanager
+def _driver(start: Any) -> Iterator[Any]:
+    """Playwright's driver; a signal is served between two of its answers, never within: it would be left in pieces."""
+    with signals_wait():
+        manager = start()
+        try:
+            playwright = manager.__enter__()
+        except Exception as error:  # whatever keeps its process from starting
+            raise FrontalBipedError(f"pictures need Playwright, which does not start: {_first_line(error)}") from None
+        try:
+            yield playwright
+        finally:
+            manager.__exit__(None, None, None)
+
+
+def _wait(page: Any, condition: str) -> None:
+    """Wait until a condition of a page holds; Ctrl+C need not wait as long."""
+    from playwright.sync_api import TimeoutError as NotYet
+
+    deadline = time.monotonic() + _PATIENCE
+    while True:
+        serve_signals()
+        try:
+            page.wait_for_function(condition, timeout=_SLICE)
+            return
+        except NotYet:
+            if time.monotonic() > deadline:
+                raise
+
+
+def picture(page: Any, t: float, selector: str = "body") -> bytes:
+    """PNG of a page at a time t of its run [s], once it has been drawn."""
+    serve_signals()
+    page.evaluate("(t) => page.seek(t)", t)
     # two frames: the first tells the scene, the second draws it
     page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done())))")
     shot: bytes = page.locator(selector).first.screenshot()

@@ -184,7 +184,8 @@ class SpatialPilot:
         true = self._engine.read(t)
         command = self._walker.tick(self._sensors.read(true))
         if np.isfinite(true.joint_positions).all():  # of a state that has diverged no controller makes torques
-            check_answer(command, "joint_torques", len(true.joint_positions), "tick", t)
+            fields = SpatialCommand.__dataclass_fields__
+            check_answer(command, "joint_torques", len(true.joint_positions), "tick", t, fields)
         self.take_impact(t)
         event, stance, steps = command.event, command.stance, self._steps
         if event is PhaseEvent.LANDING and self._airborne.lands(stance):
