@@ -143,8 +143,8 @@ def _whole(text: str, what: str, low: int, high: int) -> int:
 
 def port(text: str) -> int:
     """A port, 1 to 65535; 0: the first free one."""
-    if not (text.isdecimal() and int(text) <= 65535):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a port from 1 to 65535, or 0 for the first free one")
+    if not (text.isascii() and text.isdecimal() and len(text) <= 5 and int(text) <= 65535):
+        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a port from 1 to 65535, or 0 for the first free one")
     return int(text)
 
 

@@ -3,19 +3,18 @@
 import contextlib
 import io
 import signal
-import socket
 import sys
 import threading
 import webbrowser
 from collections.abc import Iterator
 from pathlib import Path
 
-from frontal_biped.exceptions import FrontalBipedError
 from frontal_biped.files.extras import missing_extra
 from frontal_biped.studio.workbench import State, Workbench
+from frontal_biped.viewer.guard import Guard
+from frontal_biped.viewer.ports import HOST, listening_socket
 
-HOST = "127.0.0.1"  # this machine only; from another one, forward the port with ssh
-FIRST_PORT, PORTS = 8080, 100
+FIRST_PORT = 8080
 
 
 class Studio:
@@ -26,28 +25,33 @@ class Studio:
         port: 0: the first free one from 8080 on.
         folder: where gaits and pages are saved.
 
+    Attributes:
+        url: what to open in a browser; it holds a secret, see `Guard`.
+
     Raises:
         MissingExtraError: viser is not installed.
-        FrontalBipedError: the robot cannot be loaded, or the port is taken.
+        FrontalBipedError: the robot cannot be loaded, the port is not to be had, or the installed viser cannot be
+            closed to strangers.
     """
 
     def __init__(self, robot: str, port: int = 0, folder: Path = Path()) -> None:
         try:
-            import viser
+            import viser  # noqa: F401
         except ImportError:
             raise missing_extra("the studio needs viser", "viser") from None
+        from frontal_biped.studio.closed_server import closed_server
         from frontal_biped.studio.panel import Panel
         from frontal_biped.studio.stage import Stage
 
-        chosen = _free_port(port)
-        self.workbench = Workbench(robot, folder)
-        try:
-            with contextlib.redirect_stdout(io.StringIO()):  # its banner; the address is printed by `run_studio`
-                self.server = viser.ViserServer(host=HOST, port=chosen, label="frontal_biped studio", verbose=False)
-        except BaseException:
-            self.workbench.close()
-            raise
-        self.url = f"http://{HOST}:{self.server.get_port()}/"
+        listening, chosen = listening_socket(port, FIRST_PORT, "name another one with --port")
+        guard = Guard()
+        self.url = guard.address(HOST, chosen)
+        with contextlib.ExitStack() as undone:
+            undone.callback(listening.close)
+            self.workbench = Workbench(robot, folder)
+            undone.callback(self.workbench.close)
+            self.server = closed_server(guard, listening, "frontal_biped studio")
+            undone.pop_all()
         self._panel = Panel(self.server, self.workbench)
         self._stage = Stage(self.server, self._panel.show_phase)
         self._panel.speed.on_update(lambda _: self._stage.play(float(self._panel.speed.value)))
@@ -78,17 +82,23 @@ class Studio:
         self._stage.show(state.drawing, state.clip if state.drawing is not None else None, state.push_clip)
 
 
-def run_studio(robot: str, port: int = 0, open_browser: bool = True) -> None:
+def run_studio(robot: str, port: int = 0, open_browser: bool = True, folder: Path = Path()) -> None:
     """Serve the studio until Ctrl+C or SIGTERM.
 
     Args:
         robot: as for `load_robot`.
         port: 0: the first free one from 8080 on.
         open_browser: open a browser, where there is a display.
+        folder: where gaits and pages are saved.
+
+    Raises:
+        OSError: the folder cannot be written to.
     """
+    from frontal_biped.files.atomic import require_folder
     from frontal_biped.viewer.live import has_display
 
-    with _ending() as ended, Studio(robot, port) as studio:
+    require_folder(folder)
+    with _ending() as ended, Studio(robot, port, folder) as studio:
         sys.stdout.write(f"Studio at {studio.url} (Ctrl+C to quit)\n")
         sys.stdout.flush()
         if open_browser and has_display():
@@ -109,13 +119,3 @@ def _ending() -> Iterator[threading.Event]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def _free_port(port: int) -> int:
-    for candidate in [port] if port else range(FIRST_PORT, FIRST_PORT + PORTS):
-        with contextlib.suppress(OSError), socket.socket() as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            probe.bind((HOST, candidate))
-            return candidate
-    asked = f"port {port} is in use" if port else f"no port from {FIRST_PORT} to {FIRST_PORT + PORTS - 1} is free"
-    raise FrontalBipedError(f"{asked}; name another one with --port")

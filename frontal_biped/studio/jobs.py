@@ -44,6 +44,9 @@ STEPS_BEFORE, STEPS_AFTER = 1, 6
 PUSH_MOMENTS = dict(INSTANTS)
 """When to push: place in the step by name, see `push_recovery.INSTANTS`."""
 
+LARGEST_PUSH = 40.0
+"""That can be asked for, either way [N s]."""
+
 PUSH_STABILISER = "ankle"
 
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from frontal_biped.exceptions import SpecificationError
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 
@@ -58,7 +59,7 @@ class Knob:
         """The specification with the slider at a value.
 
         Raises:
-            SpecificationError: the specification refuses it.
+            SpecificationError: the specification refuses it, or the slider has no such place.
         """
         table: dict[str, Any] = specification.as_dict()
         if isinstance(value, tuple):
@@ -67,7 +68,14 @@ class Knob:
             table.pop(self.key, None)
         else:
             table[self.key] = round(value / self.factor, 12)
-        return GaitSpecification.from_dict(table)
+        changed = GaitSpecification.from_dict(table)
+        slack = 1e-9 * self.step  # of rounding
+        for part in value if isinstance(value, tuple) else (value,):
+            if not self.low - slack <= part <= self.high + slack:
+                raise SpecificationError(
+                    f"{self.key}: the slider stands from {self.low:g} to {self.high:g} {self.unit}, not at {part:g}"
+                )
+        return changed
 
     def _nearest(self, value: float) -> float:
         steps = round((float(np.clip(value * self.factor, self.low, self.high)) - self.low) / self.step)

@@ -3,13 +3,11 @@
 from typing import Any
 
 from frontal_biped.gait.specification import GaitSpecification
-from frontal_biped.model.catalogue import robot_names
-from frontal_biped.studio.jobs import PUSH_MOMENTS
+from frontal_biped.studio.jobs import LARGEST_PUSH, PUSH_MOMENTS
 from frontal_biped.studio.knobs import Knob
 from frontal_biped.studio.status import headline, margins, notice_text, push_text
 from frontal_biped.studio.workbench import State, Workbench
 
-LARGEST_PUSH = 40.0  # [N s]
 WIDTH = 400.0  # [px]
 
 
@@ -32,8 +30,7 @@ class Panel:
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
         gui.set_panel_label("frontal_biped studio")
-        names = list(dict.fromkeys([workbench.state.robot, *robot_names()]))
-        self._robots = gui.add_dropdown("robot", names, initial_value=workbench.state.robot, order=0)
+        self._robots = gui.add_dropdown("robot", workbench.robots, initial_value=workbench.state.robot, order=0)
         self._headline = gui.add_html("", order=1)
         self._folder: Any = None
         with gui.add_folder("gait in curves", order=2.5):
@@ -51,7 +48,7 @@ class Panel:
         with gui.add_folder("show and save", order=5):
             self.speed = gui.add_slider("speed", 0.0, 1.0, 0.05, 1.0, hint="1: real time; 0: still")
             self._phase = gui.add_html("")
-            save = gui.add_button("Save gait and page", hint="into the folder where the studio was started")
+            save = gui.add_button("Save gait and page", hint="into the folder that the command line names")
             self._notice = gui.add_html("")
         button.on_click(lambda _: workbench.push(float(size.value), str(moment.value)))
         save.on_click(lambda _: workbench.save())
@@ -106,7 +103,9 @@ class Panel:
     def _on_slider(self, event: Any, key: str) -> None:
         if event.client is not None:  # not our own doing
             value = event.target.value
-            self._workbench.turn(key, (float(value[0]), float(value[1])) if isinstance(value, tuple) else float(value))
+            moved = (float(value[0]), float(value[1])) if isinstance(value, tuple) else float(value)
+            if not self._workbench.turn(key, moved):
+                self._place_sliders(self._workbench.state)
 
     def _on_robot(self, event: Any) -> None:
         if event.client is not None and event.target.value != self._workbench.state.robot:

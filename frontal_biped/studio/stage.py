@@ -60,8 +60,9 @@ class Stage:
             self._pictured = None
 
     def play(self, speed: float) -> None:
-        """Set the speed, a fraction of real time."""
-        self._speed = speed
+        """Set the speed, a fraction of real time, 0 to 1."""
+        if 0.0 <= speed <= 1.0:
+            self._speed = speed
 
     def close(self) -> None:
         """Stop the clock."""

@@ -3,10 +3,15 @@
 Two workers: one designs, the other pushes and certifies, so a slider never waits for either. The newest request wins.
 A specification without a gait leaves the last good one on screen, with the reason beside it. Knows no browser: a
 listener is called after every change and reads the state.
+
+A browser can send what its page does not offer. So a robot is one of the list, by name; a slider stands between its
+ends, and a push is no larger than the largest. Files have names of ours, in the folder that the command line named.
 """
 
+import contextlib
+import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
@@ -18,6 +23,7 @@ from frontal_biped.gait.file import save_gait
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.specification import GaitSpecification, default_specification
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.catalogue import robot_names
 from frontal_biped.studio import jobs
 from frontal_biped.studio.drawing import Clip, Drawing
 from frontal_biped.studio.knobs import Knob, Value, knobs_for
@@ -90,6 +96,9 @@ class Workbench:
         folder: where files are saved.
         make_worker: worker of a listener and a name; another one in tests.
 
+    Attributes:
+        robots: that can be chosen: the one given here, and the packaged ones.
+
     Raises:
         RobotError: the robot cannot be loaded.
     """
@@ -99,6 +108,7 @@ class Workbench:
         self.on_change: Callable[[State], None] = lambda _: None
         self._lock = threading.RLock()
         self._biped, self.state = _opened(robot)
+        self.robots = tuple(dict.fromkeys([robot, *robot_names()]))
         self._designer = make_worker(self._on_design, "studio-designer")
         self._helper = make_worker(self._on_help, "studio-helper")
         self._design_number = self._help_number = 0
@@ -116,6 +126,9 @@ class Workbench:
     def choose_robot(self, name: str) -> None:
         """Take another robot, with the specification that suits it; on an error the present one stays."""
         with self._lock:
+            if name not in self.robots:
+                self._change(notice=f"no robot {name[:40]!r} is offered here; choose one of the list")
+                return
             try:
                 self._biped, self.state = _opened(name)
             except FrontalBipedError as error:
@@ -125,17 +138,20 @@ class Workbench:
             self._helping = ""
             self.begin()
 
-    def turn(self, key: str, value: Value) -> None:
-        """Move a slider; the gait is designed anew."""
+    def turn(self, key: str, value: Value) -> bool:
+        """Move a slider; the gait is designed anew. False: it cannot stand there, and the explanation says why."""
         with self._lock:
-            knob = next(knob for knob in self.state.knobs if knob.key == key)
+            knob = next((knob for knob in self.state.knobs if knob.key == key), None)
+            if knob is None:  # of the robot before
+                return True
             try:
                 specification = knob.applied(self.state.specification, value)
             except FrontalBipedError as error:
                 self._change(explanation=str(error), fits=False)
-                return
+                return False
             if specification != self.state.specification:
                 self.design(specification)
+            return True
 
     def design(self, specification: GaitSpecification) -> None:
         """Design for a specification, from the present gait."""
@@ -151,6 +167,12 @@ class Workbench:
     def push(self, impulse: float, moment: str) -> None:
         """Push the robot; positive is outwards [N s]."""
         with self._lock:
+            if not abs(impulse) <= jobs.LARGEST_PUSH or moment not in jobs.PUSH_MOMENTS:
+                largest = f"{jobs.LARGEST_PUSH:g} N s"
+                self._change(
+                    notice=f"no push of {impulse:g} N s, {moment[:40]!r}: up to {largest}, at a time of the list"
+                )
+                return
             if self.state.gait is None:
                 self._change(notice="there is no gait to push yet")
                 return
@@ -163,12 +185,16 @@ class Workbench:
             if self.state.gait is None:
                 self._change(notice="there is no gait to save yet")
                 return
-            stem = _free_stem(self.folder, Path(self.state.robot).stem)
-            path = self.folder / f"{stem}.gait.json"
             try:
-                save_gait(self.state.gait, path)
+                stem = _claimed_stem(self.folder, Path(self.state.robot).stem)
+                path = self.folder / f"{stem}.gait.json"
+                with _unclaimed_on_error(path):
+                    save_gait(self.state.gait, path)
             except OSError as error:
-                self._change(notice=f"{path}: {error.strerror or error}; start the studio in a folder you may write to")
+                self._change(
+                    notice=f"{self.folder}: {error.strerror or error}; start the studio with -o, a folder that you may"
+                    " write to"
+                )
                 return
             self._change(notice=f"saved {path.name}; the page follows")
             self._help(f"page {stem}", jobs.page, self.state.robot, self.state.gait)
@@ -235,7 +261,9 @@ class Workbench:
     def _write_page(self, stem: str, text: str) -> None:
         path = self.folder / f"{stem}.html"
         try:
-            write_text(path, text)
+            _claim(path)
+            with _unclaimed_on_error(path):
+                write_text(path, text)
         except OSError as error:
             self._change(busy="", notice=f"{path}: {error.strerror or error}; the gait is saved, the page is not")
             return
@@ -264,8 +292,28 @@ def _opened(name: str) -> tuple[FrontalBiped, State]:
     return biped, State(name, default_specification(biped), knobs=knobs_for(biped))
 
 
-def _free_stem(folder: Path, name: str) -> str:
-    number = 1
-    while (folder / f"{name}-{number}.gait.json").exists() or (folder / f"{name}-{number}.html").exists():
+def _claimed_stem(folder: Path, name: str) -> str:
+    """A name that neither a gait file nor a page has; the gait file is there then, empty."""
+    folder.mkdir(parents=True, exist_ok=True)
+    number = 0
+    while True:
         number += 1
-    return f"{name}-{number}"
+        stem = f"{name}-{number}"
+        if not os.path.lexists(folder / f"{stem}.html"):
+            with contextlib.suppress(FileExistsError):
+                _claim(folder / f"{stem}.gait.json")
+                return stem
+
+
+def _claim(path: Path) -> None:
+    """Make an empty file where nothing is, not even a link; what is there belongs to somebody else."""
+    os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+
+
+@contextlib.contextmanager
+def _unclaimed_on_error(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except BaseException:
+        path.unlink(missing_ok=True)
+        raise

@@ -1,7 +1,8 @@
 """Live view: a small web server in this process that speaks MeshCat's protocol to the browser.
 
 MeshCat's own server is a second process behind a ZeroMQ socket: it outlives a killed parent, keeps its port, and any
-call after its death waits for ever. Here the server is a thread. It ends with the process, whatever ends that.
+call after its death waits for ever. Here the server is a thread. It ends with the process, whatever ends that. What it
+shows is for the page at the printed address alone, see `guard`.
 """
 
 import asyncio
@@ -18,11 +19,14 @@ from typing import Any, Self
 from frontal_biped.exceptions import FrontalBipedError
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.viewer.guard import HEADERS, REFUSED, Guard
 from frontal_biped.viewer.page import SceneRecorder, Show, planar_show, viewer_page
+from frontal_biped.viewer.ports import HOST, listening_socket
 from frontal_biped.viewer.scene import cast
 
-HOST = "127.0.0.1"  # this machine only; from another one, forward the port with ssh
-FIRST_PORT, PORTS = 7000, 100
+FIRST_PORT = 7000
+_ASKED_BYTES = 16_384  # of a request; browsers need a thousand, and have nothing to send besides
+_IDLE = 60.0  # [s] that a connection may take to ask
 _PATIENCE = 10.0  # [s] for the server thread to start or stop; it takes milliseconds
 
 
@@ -32,7 +36,8 @@ class LiveViewer(SceneRecorder):
     ``meshcat.Visualizer(window=viewer)`` draws into it; every open browser follows.
 
     Attributes:
-        url: what to open in a browser.
+        url: what to open in a browser; it holds a secret, see `Guard`.
+        port: where it is served.
     """
 
     def __init__(
@@ -51,7 +56,7 @@ class LiveViewer(SceneRecorder):
             page: text of a page that needs no more than itself; None: the one around what is drawn.
 
         Raises:
-            FrontalBipedError: no port is free.
+            FrontalBipedError: no port is free, or the one that was asked for is not to be had.
         """
         super().__init__()
         self._page = viewer_page(title, [], about or {}, socket=True) if page is None else page
@@ -59,8 +64,9 @@ class LiveViewer(SceneRecorder):
         self._clients: set[Any] = set()
         self._stop: asyncio.Event | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._sockets, self.port = _listen(port)
-        self.url = f"http://{HOST}:{self.port}/"
+        self._socket, self.port = listening_socket(port, FIRST_PORT, "name another one, or export a page instead")
+        self._guard = Guard()
+        self.url = self._guard.address(HOST, self.port)
         self._ready = threading.Event()
         self._thread = threading.Thread(target=lambda: asyncio.run(self._serve()), name="live-viewer", daemon=True)
         self._thread.start()
@@ -108,8 +114,33 @@ class LiveViewer(SceneRecorder):
 
     async def _serve(self) -> None:
         from tornado import httpserver, web, websocket
+        from tornado.routing import Matcher, Rule
 
         viewer = self
+
+        class Plain(web.RequestHandler):
+            """Headers of every answer, and refusals that say nothing else."""
+
+            def set_default_headers(self) -> None:
+                self.clear_header("Server")
+                for name, value in HEADERS.items():
+                    self.set_header(name, value)
+
+            def write_error(self, status_code: int, **_: Any) -> None:
+                self.set_header("Content-Type", "text/plain; charset=utf-8")
+                self.finish(REFUSED if status_code == 403 else f"{status_code}\n")
+
+        class Refused(Plain):
+            """For whoever may not ask, and for what is not there."""
+
+            def prepare(self) -> None:
+                raise web.HTTPError(403)
+
+        class Page(Plain):
+            """The page around the scene."""
+
+            def get(self) -> None:
+                self.finish(viewer._page)
 
         class Socket(websocket.WebSocketHandler):
             """One open browser."""
@@ -129,25 +160,32 @@ class LiveViewer(SceneRecorder):
                 with contextlib.suppress(websocket.WebSocketClosedError):
                     _forget(self.write_message(packed, binary=True))
 
-        class Page(web.RequestHandler):
-            """The page around the scene."""
+        class Asks(Matcher):
+            """For the page, or for its web socket, by who may ask."""
 
-            def get(self) -> None:
-                self.set_header("Cache-Control", "no-store")
-                self.finish(viewer._page)
+            def __init__(self, socket: bool) -> None:
+                self._socket = socket
 
-        def route(request: Any) -> bool:
-            return str(request.headers.get("Upgrade", "")).lower() == "websocket"
-
-        from tornado.routing import Matcher, Rule
-
-        class WantsSocket(Matcher):
             def match(self, request: Any) -> dict[str, Any] | None:
-                return {} if route(request) else None
+                hosts, origins = (request.headers.get_list(name) for name in ("Host", "Origin"))
+                inside = viewer._guard.inside(request.uri, hosts, origins)
+                upgrade = str(request.headers.get("Upgrade", "")).lower() == "websocket"
+                return {} if inside is not None and inside[:2] in ("/", "/?") and upgrade is self._socket else None
 
-        application = web.Application([Rule(WantsSocket(), Socket), (r"/", Page)])
-        server = httpserver.HTTPServer(application)
-        server.add_sockets(self._sockets)
+        application = web.Application(
+            [Rule(Asks(socket=True), Socket), Rule(Asks(socket=False), Page)],
+            default_handler_class=Refused,
+            log_function=lambda _: None,
+            websocket_max_message_size=_ASKED_BYTES,
+        )
+        server = httpserver.HTTPServer(
+            application,
+            max_header_size=_ASKED_BYTES,
+            max_body_size=_ASKED_BYTES,
+            idle_connection_timeout=_IDLE,
+            body_timeout=_IDLE,
+        )
+        server.add_sockets([self._socket])
         self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
         self._ready.set()
         await self._stop.wait()
@@ -265,17 +303,6 @@ def has_display() -> bool:
     if os.environ.get("CI"):
         return False
     return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
-
-
-def _listen(port: int) -> tuple[list[Any], int]:
-    from tornado.netutil import bind_sockets
-
-    candidates = [port] if port else range(FIRST_PORT, FIRST_PORT + PORTS)
-    for candidate in candidates:
-        with contextlib.suppress(OSError):
-            return bind_sockets(candidate, HOST), candidate
-    asked = f"port {port} is in use" if port else f"no port from {FIRST_PORT} to {FIRST_PORT + PORTS - 1} is free"
-    raise FrontalBipedError(f"{asked}; name another one, or export a page instead")
 
 
 def _forget(sent: "asyncio.Future[None]") -> None:

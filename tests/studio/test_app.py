@@ -9,8 +9,11 @@ import sys
 import time
 
 import pytest
+from foreign_page import HARMLESS, RESOLVED, rebound, tried
 
 from frontal_biped.cli import main
+from frontal_biped.viewer.guard import REFUSED
+from frontal_biped.viewer.headless import CHROMIUM_OPTIONS
 
 viser = pytest.importorskip("viser")
 
@@ -78,14 +81,51 @@ def test_missing_viser_names_the_extra(monkeypatch, capsys):
     )
 
 
-@pytest.mark.slow
-@pytest.mark.browser
-def test_slider_push_and_save_in_the_browser(tmp_path):
-    chromium = shutil.which("chromium")
-    if chromium is None:
+def test_a_folder_that_cannot_be_written_to_is_told_before_anything_starts(tmp_path, capsys):
+    (tmp_path / "file").write_text("")
+    assert main(["studio", "--no-open", "-o", str(tmp_path / "file" / "below")]) == 2
+    assert (
+        capsys.readouterr().err == f"frontal-biped: error: {tmp_path / 'file'}: is not a folder; choose another path\n"
+    )
+
+
+@pytest.fixture
+def chromium():
+    executable = shutil.which("chromium")
+    if executable is None:
         # continuous integration installs it: there its absence is a failure
         assert not os.environ.get("CI"), "no chromium on the PATH"
         pytest.skip("no chromium on the PATH")
+    return executable
+
+
+@pytest.mark.slow
+@pytest.mark.browser
+def test_pages_of_others_read_nothing_write_nothing_and_change_nothing(chromium, tmp_path):
+    from playwright.sync_api import sync_playwright
+
+    from frontal_biped.studio.app import Studio
+
+    with Studio("frontal_biped", 0, tmp_path) as studio, sync_playwright() as playwright:
+        end = time.monotonic() + PATIENCE
+        while studio.workbench.state.gait is None and time.monotonic() < end:
+            time.sleep(0.1)
+        before = studio.workbench.state
+        assert before.gait is not None
+        browser = playwright.chromium.launch(executable_path=chromium, args=[*CHROMIUM_OPTIONS, RESOLVED])
+        for how, address, got in tried(browser, studio.url, [f"viser-v{viser.__version__}"]):
+            assert got in HARMLESS, (how, address, got)
+        assert rebound(browser, studio.url) == [(403, REFUSED.strip())] * 3
+        browser.close()
+        after = studio.workbench.state
+        assert studio.server.get_clients() == {}
+        assert (after.specification, after.gait, after.robot) == (before.specification, before.gait, before.robot)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+@pytest.mark.browser
+def test_slider_push_and_save_in_the_browser(chromium, tmp_path):
     from playwright.sync_api import sync_playwright
 
     from frontal_biped.studio.app import Studio

@@ -175,6 +175,85 @@ def test_nothing_to_push_or_save_before_the_first_gait(studio):
     assert "no gait" in workbench.state.notice and len(helper.requests) == 1
 
 
+@pytest.mark.parametrize(
+    "name", ["/etc/passwd", "robot.toml", "../models/frontal_biped.toml", "x" * 9000, "", "icub\0"]
+)
+def test_a_robot_is_one_of_the_list_and_never_a_path(studio, designed, tmp_path, monkeypatch, name):
+    workbench, designer, _ = opened(studio, designed)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "robot.toml").write_text("secret = 'told'")
+    before, count = workbench.state, len(designer.requests)
+    workbench.choose_robot(name)
+    notice = workbench.state.notice
+    assert dataclasses.replace(workbench.state, notice=before.notice) == before and len(designer.requests) == count
+    assert notice == f"no robot {name[:40]!r} is offered here; choose one of the list"
+
+
+def test_the_robot_of_the_command_line_is_offered_with_the_packaged_ones(studio):
+    assert studio[0].robots[0] == "frontal_biped" and "icub" in studio[0].robots
+    assert len(set(studio[0].robots)) == len(studio[0].robots)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("friction", 1e308), ("friction", float("nan")), ("friction", float("inf")), ("friction", 1.5), ("friction", -1.0),
+     ("friction", (0.1, 0.2)), ("step_duration", 0.5), ("step_duration", (0.1, 0.5)), ("step_duration", (0.5, 99.0)),
+     ("step_duration", (0.6, 0.3)), ("step_duration", (float("nan"), 0.5)), ("max_pelvis_roll", 90.0),
+     ("swing_clearance", 1e9)],
+)  # fmt: skip
+def test_a_slider_stands_between_its_ends(studio, designed, key, value):
+    workbench, designer, _ = opened(studio, designed)
+    before, count = workbench.state.specification, len(designer.requests)
+    assert not workbench.turn(key, value)
+    assert workbench.state.specification == before and len(designer.requests) == count
+    assert workbench.state.explanation and "\n" not in workbench.state.explanation
+
+
+def test_a_slider_of_the_robot_before_does_nothing(studio, designed):
+    workbench, designer, _ = opened(studio, designed)
+    count = len(designer.requests)
+    assert workbench.turn("no_such_key", 1.0)
+    assert len(designer.requests) == count
+
+
+@pytest.mark.parametrize(
+    ("impulse", "moment"),
+    [(40.1, "at the reversal"), (-1e308, "at the reversal"), (float("nan"), "at the reversal"),
+     (float("inf"), "at the reversal"), (10.0, "never"), (10.0, "x" * 9000)],
+)  # fmt: skip
+def test_a_push_is_one_that_is_offered(studio, designed, impulse, moment):
+    workbench, _, helper = opened(studio, designed)
+    count = len(helper.requests)
+    workbench.push(impulse, moment)
+    assert len(helper.requests) == count and workbench.state.notice.startswith("no push of ")
+
+
+def test_save_takes_no_name_that_is_there_not_even_as_a_link(studio, designed, tmp_path):
+    workbench, _, helper = opened(studio, designed)
+    (tmp_path / "frontal_biped-1.gait.json").symlink_to(tmp_path / "elsewhere.json")
+    (tmp_path / "frontal_biped-2.html").symlink_to(tmp_path / "elsewhere.html")
+    (tmp_path / "frontal_biped-3.gait.json").write_text("mine")
+    workbench.save()
+    (tmp_path / "frontal_biped-4.html").write_text("mine, written meanwhile")
+    helper.answer("<html>page</html>")
+    assert "File exists; the gait is saved, the page is not" in workbench.state.notice
+    assert load_gait(tmp_path / "frontal_biped-4.gait.json").orbit == designed.gait.orbit
+    assert (tmp_path / "frontal_biped-3.gait.json").read_text() == "mine"
+    assert (tmp_path / "frontal_biped-4.html").read_text() == "mine, written meanwhile"
+    assert not (tmp_path / "elsewhere.json").exists() and not (tmp_path / "elsewhere.html").exists()
+
+
+def test_what_cannot_be_saved_leaves_nothing(studio, designed, tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    workbench, _, _ = opened(studio, designed)
+    monkeypatch.setattr("frontal_biped.studio.workbench.save_gait", full)
+    workbench.save()
+    assert "No space left on device; start the studio with -o" in workbench.state.notice
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_closing_ends_both_workers(studio):
     workbench, designer, helper = studio
     workbench.close()

@@ -1,6 +1,7 @@
 """The live viewer starts, serves, and is gone afterwards: no process, no port."""
 
 import os
+import re
 import signal
 import socket
 import struct
@@ -10,6 +11,7 @@ import time
 import urllib.request
 from contextlib import contextmanager
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -115,7 +117,7 @@ def test_no_orphan_after_a_signal(ending):
         viewer.communicate()
     assert errors == ""
     assert viewer.returncode == (-signal.SIGKILL if ending is signal.SIGKILL else 0)
-    assert is_free(int(url.rstrip("/").rsplit(":", 1)[1]))
+    assert is_free(urlsplit(url).port)
 
 
 # ---------------------------------------------------------------------- the command, as a user runs it
@@ -160,10 +162,10 @@ def ends(process, signum):
 
 def connect(url):
     """A browser's web socket by hand, as far as its first message."""
-    port = int(url.rstrip("/").rsplit(":", 1)[1])
+    port = urlsplit(url).port
     client = socket.create_connection(("127.0.0.1", port), timeout=5)
     client.sendall(
-        f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+        f"GET {urlsplit(url).path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n".encode()
     )
     assert b"101" in client.recv(64)
@@ -193,7 +195,7 @@ def test_browsers_that_vanish_or_stall_do_no_harm(ending, run_file):
 def test_the_port_can_be_chosen_and_a_taken_one_is_named(run_file, capsys):
     port = free_port()
     with viewing(run_file, port) as (process, url):
-        assert url == f"http://127.0.0.1:{port}/"
+        assert re.fullmatch(rf"http://127\.0\.0\.1:{port}/[-_A-Za-z0-9]{{32}}/", url)
         from frontal_biped.cli import main
 
         assert main(["view", str(run_file), "--no-open", "--port", str(port)]) == 2
@@ -218,4 +220,4 @@ def test_used_in_a_browser_closed_and_ended_under_an_open_one(browser, run_file)
         page.keyboard.press("End")  # what was loaded stays in use
         assert page.evaluate("window.page.now() === window.page.duration()")
         page.close()
-    assert is_free(int(url.rstrip("/").rsplit(":", 1)[1]))
+    assert is_free(urlsplit(url).port)

@@ -1,4 +1,4 @@
-"""Files that live outside a description's folder: the robots of the installed `example-robot-data`, and meshes.
+"""The robots of the installed `example-robot-data`, which live outside a description's folder.
 
 The data are found without their loaders package, which pins another version of them: first by the metadata of the
 installed distribution (wheels of 5.x and 6.x), then in the ``share`` folders that ROS, conda and robotpkg use.
@@ -7,7 +7,6 @@ installed distribution (wheels of 5.x and 6.x), then in the ``share`` folders th
 import contextlib
 import os
 import sys
-import xml.etree.ElementTree as ElementTree
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path, PurePosixPath
 
@@ -71,34 +70,3 @@ def resolve_urdf(where: str, urdf: str, folder: Path) -> Path:
             f" {example_robot_data_dir()}"
         )
     return found
-
-
-def found_meshes(urdf: Path, urdf_text: str) -> str:
-    """The URDF in which meshes of a package that is nowhere name files that are there.
-
-    ``package://name/meshes/...`` is looked up in every folder above the URDF, where descriptions live whatever the
-    installer, in ``ROS_PACKAGE_PATH`` and in the ``share`` folders of ``AMENT_PREFIX_PATH``. That is left to Pinocchio.
-    Where no such folder has the mesh, for a package's name is not always that of its folder, the path is tried without
-    the name: beside the URDF and in the folders above it.
-
-    Args:
-        urdf: the file.
-        urdf_text: its text.
-    """
-    folders = urdf.resolve().parents
-    prefixes = [Path(entry) for entry in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if entry]
-    ros = [Path(entry) for entry in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if entry]
-    homes = [*folders, *ros, *(prefix / "share" for prefix in prefixes)]
-    root, moved = ElementTree.fromstring(urdf_text), False
-    for mesh in root.iter("mesh"):
-        name = mesh.get("filename", "")
-        if not name.startswith(PACKAGE):
-            continue
-        inside = PurePosixPath(name.removeprefix(PACKAGE))
-        if ".." in inside.parts or any((home / inside).exists() for home in homes):
-            continue
-        there = next((path for folder in folders if (path := folder.joinpath(*inside.parts[1:])).is_file()), None)
-        if there is not None:
-            mesh.set("filename", str(there))
-            moved = True
-    return ElementTree.tostring(root, encoding="unicode") if moved else urdf_text

@@ -8,7 +8,7 @@ import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
-from frontal_biped.model.urdf.packages import found_meshes
+from frontal_biped.model.urdf.meshes import with_found_meshes
 
 IntArray = npt.NDArray[np.int64]
 
@@ -18,22 +18,19 @@ def build_shapes(model: pin.Model, urdf: Path, urdf_text: str, kind: pin.Geometr
 
     Args:
         model: the whole robot, or with joints locked.
-        urdf: the file; meshes are looked up around it, see `found_meshes`.
+        urdf: the file; meshes are looked up in the robot's folders, see `meshes`.
         urdf_text: its text, or a part of it.
         kind: visual or collision shapes.
 
     Raises:
-        RobotError: a mesh is not found, or cannot be read.
+        RobotError: a mesh is not found, lies outside the robot's folders, or cannot be read.
     """
-    folders = [str(folder) for folder in urdf.resolve().parents]
+    found = with_found_meshes(urdf, urdf_text, "visual" if kind == pin.GeometryType.VISUAL else "collision")
     try:
-        return pin.buildGeomFromUrdfString(model, found_meshes(urdf, urdf_text), kind, package_dirs=folders)
+        return pin.buildGeomFromUrdfString(model, found, kind, package_dirs=[])
     except (ValueError, RuntimeError) as error:
         reason = " ".join(str(error).split()).rstrip(".")
-        raise RobotError(
-            f"{urdf}: {reason}; searched {folders[0]} and the folders above it, with and without the package's name;"
-            " put the package there, or its parent folder into ROS_PACKAGE_PATH (its prefix into AMENT_PREFIX_PATH)"
-        ) from None
+        raise RobotError(f"{urdf}: {reason}; export the mesh again, as .stl") from None
 
 
 def shape_points(shape: pin.GeometryObject) -> FloatArray:

@@ -36,7 +36,7 @@
   for (const text of commands) {
     viewer.handle_command_bytearray(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)));
   }
-  if (live) viewer.connect("ws://" + location.host + "/");
+  if (live) viewer.connect("ws://" + location.host + location.pathname);
 
   // The camera goes along with a robot that goes somewhere, and so does the light.
   const leader = about.follow && runs[0].motion ? unpack(runs[0].motion) : null;
