@@ -43,12 +43,12 @@ import numpy as np
 from frontal_biped.analysis.push_recovery import (
     DIRECTIONS,
     INSTANTS,
-    PERIOD,
     PUSH_RESOLUTION,
     RECORDING,
     RECOVERED,
     STEPS_TO_DECIDE,
     PushOutcome,
+    held_walk,
     largest_push,
     speed_errors,
 )
@@ -57,7 +57,6 @@ from frontal_biped.control.stabilisers.by_name import STABILISERS, make_stabilis
 from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.simulation.walking import simulate
 from frontal_biped.zero_dynamics.half_steps import rising_energy
 
 SAMPLES = 13
@@ -247,15 +246,7 @@ def fixed_basin(biped: FrontalBiped, gait: Gait) -> Basin:
 
     def obstacle(error: float) -> str:
         steps = STEPS_TO_DECIDE[-1]
-        run = simulate(
-            biped,
-            gait,
-            steps=steps,
-            period=PERIOD,
-            speed_error=error,
-            stabiliser="fixed",
-            simulation_settings=RECORDING,
-        )
+        run = held_walk(biped, gait, "fixed", steps=steps, speed_error=error, simulation_settings=RECORDING)
         if run.fell:
             return run.outcome
         return "" if speed_errors(run, gait)[-1] <= RECOVERED else f"not back within {steps} steps"

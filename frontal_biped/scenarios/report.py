@@ -12,8 +12,20 @@ from frontal_biped.scenarios.monte_carlo import CONFIDENCE, ScenarioResult
 MOST_LISTED = 5
 """Failed trials of one scenario that a table names."""
 
-_COLUMNS = ("scenario", "simulator", "steps", "trials", "passed", "output error", "step time", "torque", "F_h/F_v", "")
-_UNITS = ("", "", "each", "", f"{100 * CONFIDENCE:g} % interval", "rad", "off by", "of limit", "", "")
+_COLUMNS = (
+    "scenario",
+    "simulator",
+    "steps",
+    "trials",
+    "passed",
+    "output error",
+    "step time",
+    "torque",
+    "F_h/F_v",
+    "FRI",
+    "",
+)
+_UNITS = ("", "", "each", "", f"{100 * CONFIDENCE:g} % interval", "rad", "off by", "of limit", "", "mm inside", "")
 
 
 def verdict(results: Sequence[ScenarioResult]) -> str:
@@ -112,6 +124,7 @@ def _row(result: ScenarioResult) -> tuple[str, ...]:
         f"{100 * result.worst('step_time_error'):.2g} %",
         f"{result.worst('torque'):.2f}",
         f"{result.worst('friction'):.2f}",
+        f"{1e3 * result.least('fri_margin'):.3g}",
         "as expected" if result.passed else "FAILED",
     )
 

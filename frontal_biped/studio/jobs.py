@@ -14,7 +14,7 @@ from frontal_biped.analysis.push_recovery import (
     INSTANTS,
     PUSH_DURATION,
     RECOVERED,
-    pushed_walk,
+    held_walk,
     speed_errors,
     time_in_step,
 )
@@ -168,7 +168,7 @@ def push(tell: Tell, name: str, gait: Gait, impulse: float, moment: str) -> Push
     def on_step(done: int) -> None:
         tell(f"walking: step {done} of {steps}")
 
-    run = pushed_walk(biped, gait, PUSH_STABILISER, shove, steps=steps, on_step=on_step)
+    run = held_walk(biped, gait, PUSH_STABILISER, shove, steps=steps, on_step=on_step)
     sense = "outwards" if impulse > 0.0 else "inwards"
     what = f"push of {abs(impulse):g} N s {sense}, {moment}"
     if run.fell:
