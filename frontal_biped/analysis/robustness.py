@@ -55,6 +55,7 @@ from frontal_biped.analysis.push_recovery import (
 from frontal_biped.analysis.return_map import Basin, RestrictedMap
 from frontal_biped.control.stabilisers.by_name import STABILISERS, make_stabiliser
 from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
+from frontal_biped.files.counted import counted
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.zero_dynamics.half_steps import rising_energy
@@ -141,7 +142,7 @@ class RobustnessCard:
                 text = f"slope of the map {below:.3f} below, {above:.3f} above; sensitivity norm {norm:.2f}"
                 found.append((f"  at the gait, {name}", text))
         for push in self.pushes:
-            steps = f"{push.steps_to_recover} step" + "s" * (push.steps_to_recover != 1)
+            steps = counted(push.steps_to_recover, "step")
             text = f"{push.impulse:.1f} N s, recovered in {steps} (more: {push.limited_by})"
             found.append((f"push {push.direction}, {push.instant}", text))
         return found

@@ -19,6 +19,7 @@ from frontal_biped.analysis.push_recovery import (
     time_in_step,
 )
 from frontal_biped.design.optimise import optimise_gait
+from frontal_biped.files.counted import counted
 from frontal_biped.gait.check import ConstraintReport
 from frontal_biped.gait.file import load_gait
 from frontal_biped.gait.gait import Gait
@@ -179,7 +180,7 @@ def push(tell: Tell, name: str, gait: Gait, impulse: float, moment: str) -> Push
         return Pushed(False, f"{what}: walks on, but {left}", clip_of(biped, run, shove))
     late = np.flatnonzero(errors > RECOVERED)
     count = int(late[-1]) - STEPS_BEFORE + 1 if len(late) else 0
-    within = f"within {100.0 * RECOVERED:.0f} % of its speed after {count} step{'s' if count != 1 else ''}"
+    within = f"within {100.0 * RECOVERED:.0f} % of its speed after {counted(count, 'step')}"
     return Pushed(True, f"{what}: recovered, {within}", clip_of(biped, run, shove))
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 
-MOST_FRAMES = 12_000
+MOST_FRAMES = 10_000
 """Of the motion on a page; of a longer walk there are fewer a second."""
 
 ROOT_POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")

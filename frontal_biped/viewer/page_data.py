@@ -19,7 +19,7 @@ from frontal_biped.viewer.planar_motion import planar_motion
 from frontal_biped.viewer.scene import FIRST, GHOST, SECOND, Actor, frontal_camera
 from frontal_biped.virtual_constraints.phase import StepPhase
 
-MOST_SAMPLES = 8000
+MOST_SAMPLES = 12_000
 """Of one run in the plots; a longer one is thinned, see `thinned`."""
 
 WINDOWS = 64
@@ -233,7 +233,7 @@ def samples(biped: FrontalBiped, trajectory: Trajectory) -> dict[str, Any]:
         "count", "breaks" (index of the first sample of each phase) and "channels".
     """
     names = ("q", "dq", "u", "force", "p_fri", "p_fri_target", "output_error")
-    kept, breaks = thinned(trajectory, np.column_stack([getattr(trajectory, name) for name in names]))
+    kept, breaks = thinned(trajectory, np.column_stack([getattr(trajectory, name) for name in names]), MOST_SAMPLES)
     run = {name: getattr(trajectory, name)[kept] for name in ("t", "q", "dq", "u", "force", "p_fri", "p_fri_target")}
     wanted = trajectory.q_b_desired[kept]
     sole = 1e3 * np.array([biped.swing_sole(q)[:, 1] for q in run["q"]])
@@ -253,9 +253,7 @@ def samples(biped: FrontalBiped, trajectory: Trajectory) -> dict[str, Any]:
     }
 
 
-def thinned(
-    run: Phased, values: FloatArray, most: int = MOST_SAMPLES
-) -> tuple[np.ndarray[Any, np.dtype[np.intp]], list[int]]:
+def thinned(run: Phased, values: FloatArray, most: int) -> tuple[np.ndarray[Any, np.dtype[np.intp]], list[int]]:
     """Samples of a run that its plots keep: evenly chosen ones, both ends of every phase, and whatever is extreme.
 
     Args:

@@ -32,6 +32,9 @@ from frontal_biped.viewer.space_scene import (
     space_camera,
 )
 
+MOST_SAMPLES = 8000
+"""In the plots; of 200 steps some forty each, of a longer walk fewer, see `thinned`."""
+
 LEGS = ("left leg", "right leg", "other joints")
 
 SPACE_PANELS: tuple[dict[str, Any], ...] = (
@@ -154,7 +157,7 @@ def space_samples(robot: FreeRobot, run: SpatialRun) -> dict[str, Any]:
     channels["friction"] = np.nan_to_num(friction_used(run))[rows, standing]
     channels["moment"] = np.nan_to_num(yaw_moments(run))[rows, standing]
     channels |= dict(zip(("roll", "pitch", "yaw"), np.degrees(_tilt(robot, run)).T, strict=True))
-    kept, breaks = thinned(run, np.column_stack(list(channels.values())))
+    kept, breaks = thinned(run, np.column_stack(list(channels.values())), MOST_SAMPLES)
     return {
         "count": len(kept),
         "breaks": breaks,

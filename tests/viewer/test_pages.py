@@ -242,7 +242,7 @@ def test_long_runs_are_thinned_but_keep_both_ends_of_every_phase(biped, walk):
 @pytest.fixture(scope="module")
 def many(biped, gait):
     """Three hundred steps, and in one of them a spike of a single sample in every curve."""
-    run = orbit_trajectory(biped, gait, 300, samples=40)
+    run = orbit_trajectory(biped, gait, 300, samples=50)
     spiked = {name: getattr(run, name).copy() for name in ("u", "dq", "p_fri")}
     for values in spiked.values():
         values[len(run.t) // 2 + 7] = 9.0 * np.abs(values).max()

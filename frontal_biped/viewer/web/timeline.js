@@ -85,7 +85,7 @@ function drawCaption(host, run, name) {
   return (time) => {
     const { phase, lit, over } = stateAt(run, time);
     const numbers = (run.readout || []).map((one) => `${one.name} ${told(valueAt(run.data, one.y, time), one.digits)} ${one.unit}`);
-    const text = name + (over ? `fell after ${run.steps} steps: ${run.outcome}` : ["step " + phase.step + of, phase.stance + " foot stands", ...numbers].join(", "));
+    const text = name + (over ? `fell after ${run.steps} ${run.steps === 1 ? "step" : "steps"}: ${run.outcome}` : ["step " + phase.step + of, phase.stance + " foot stands", ...numbers].join(", "));
     if (shown === text + lit) return;
     shown = text + lit;
     where.textContent = text;
