@@ -31,6 +31,7 @@ from typing import Any
 
 import numpy as np
 
+from frontal_biped.files.counted import counted
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.mid_fall import speed_errors
@@ -132,7 +133,7 @@ class CrossCheck:
             cells.append(f"{known[key]:{form}}" if key in known else "")
             lines.append((f"{label:32}" + "".join(f"{cell:>12}" for cell in cells)).rstrip())
         lines += [
-            f"{report.engine}: FELL after {report.steps} steps ({report.outcome})"
+            f"{report.engine}: FELL after {counted(report.steps, 'step')} ({report.outcome})"
             for report in self.reports
             if report.outcome != COMPLETED
         ]

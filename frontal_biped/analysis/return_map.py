@@ -12,6 +12,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.stabilisers.transitions import Stabiliser
 from frontal_biped.exceptions import ReversalError
+from frontal_biped.files.counted import counted
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.margins import ContactMargins, Margin
 from frontal_biped.model.biped import FrontalBiped
@@ -180,7 +181,7 @@ class RestrictedMap:
             away = away + 1 if after * before > 0.0 and abs(after) >= abs(before) else 0
             if away == PATIENCE:
                 return Return(False, tuple(speeds), "the speed goes away from the gait's")
-        return Return(False, tuple(speeds), f"no return within {steps} steps")
+        return Return(False, tuple(speeds), f"no return within {counted(steps, 'step')}")
 
     def basin(self, low: float = 0.05, high: float = 3.0) -> "Basin":
         """The interval of post-impact speeds around the gait's from which it returns.

@@ -43,21 +43,21 @@ import numpy as np
 from frontal_biped.analysis.push_recovery import (
     DIRECTIONS,
     INSTANTS,
-    PERIOD,
     PUSH_RESOLUTION,
     RECORDING,
     RECOVERED,
     STEPS_TO_DECIDE,
     PushOutcome,
+    held_walk,
     largest_push,
     speed_errors,
 )
 from frontal_biped.analysis.return_map import Basin, RestrictedMap
 from frontal_biped.control.stabilisers.by_name import STABILISERS, make_stabiliser
 from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
+from frontal_biped.files.counted import counted
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.simulation.walking import simulate
 from frontal_biped.zero_dynamics.half_steps import rising_energy
 
 SAMPLES = 13
@@ -142,7 +142,7 @@ class RobustnessCard:
                 text = f"slope of the map {below:.3f} below, {above:.3f} above; sensitivity norm {norm:.2f}"
                 found.append((f"  at the gait, {name}", text))
         for push in self.pushes:
-            steps = f"{push.steps_to_recover} step" + "s" * (push.steps_to_recover != 1)
+            steps = counted(push.steps_to_recover, "step")
             text = f"{push.impulse:.1f} N s, recovered in {steps} (more: {push.limited_by})"
             found.append((f"push {push.direction}, {push.instant}", text))
         return found
@@ -247,15 +247,7 @@ def fixed_basin(biped: FrontalBiped, gait: Gait) -> Basin:
 
     def obstacle(error: float) -> str:
         steps = STEPS_TO_DECIDE[-1]
-        run = simulate(
-            biped,
-            gait,
-            steps=steps,
-            period=PERIOD,
-            speed_error=error,
-            stabiliser="fixed",
-            simulation_settings=RECORDING,
-        )
+        run = held_walk(biped, gait, "fixed", steps=steps, speed_error=error, simulation_settings=RECORDING)
         if run.fell:
             return run.outcome
         return "" if speed_errors(run, gait)[-1] <= RECOVERED else f"not back within {steps} steps"

@@ -15,6 +15,7 @@ from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers.by_name import make_stabiliser
 from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions, Stabiliser
 from frontal_biped.exceptions import ReversalError
+from frontal_biped.files.counted import counted
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.settings import SimulationSettings
@@ -144,7 +145,7 @@ class SpeedErrorOutcome:
     final_speed_error: float
 
     def __str__(self) -> str:
-        after = f"{self.steps_completed} steps" if self.steps_completed != 1 else "1 step"
+        after = counted(self.steps_completed, "step")
         end = f"walks {after}" if self.outcome == COMPLETED else f"falls after {after}: {self.outcome}"
         return (
             f"a {100 * self.speed_error:+.3g} % error in the post-impact speed moves the first reversal by"

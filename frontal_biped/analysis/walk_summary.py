@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.files.counted import counted
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import JOINTS
@@ -86,7 +87,7 @@ class WalkSummary:
         advice = "" if self.remedy is None else f"; {self.remedy}"
         return "\n".join(
             [
-                f"{self.robot}: {fate} {self.steps} steps of {self.asked} in {self.duration:.2f} s{advice}",
+                f"{self.robot}: {fate} {counted(self.steps, 'step')} of {self.asked} in {self.duration:.2f} s{advice}",
                 f"tightest  {self.tightest}",
                 f"motors    {self.torque}; {self.speed}",
             ]

@@ -18,6 +18,7 @@ from frontal_biped.cli.arguments import (
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
 from frontal_biped.cli.output import emit, free_path, report, require_output
 from frontal_biped.cli.progress import Progress
+from frontal_biped.files.counted import counted
 
 if TYPE_CHECKING:
     from frontal_biped.design.optimise import DesignResult
@@ -116,7 +117,8 @@ def _report(
     needs = analyze(biped, gait, certify=False, in_space=False).needs
     share = 100.0 * biped.asymmetry.mass_matrix
     legs = f"\nlegs averaged; they differ by {share:.2g} % of the mass matrix" if biped.asymmetry.differences else ""
-    effort = f"{result.iterations} iterations, {result.evaluations} evaluations, {result.seconds:.2f} s"
+    work = f"{counted(result.iterations, 'iteration')}, {counted(result.evaluations, 'evaluation')}"
+    effort = f"{work}, {result.seconds:.2f} s"
     table = _table(biped, result, output)
     return table, report(arguments, [reached, needs], [f"{result.report}\n\n{effort}{legs}"], [])
 

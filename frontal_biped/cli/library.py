@@ -8,6 +8,7 @@ from frontal_biped.cli.arguments import add_jobs, add_json, folder
 from frontal_biped.cli.exit_status import SUCCESS
 from frontal_biped.cli.output import emit
 from frontal_biped.cli.progress import Progress
+from frontal_biped.files.counted import counted
 
 if TYPE_CHECKING:
     from frontal_biped.library.build import LibraryReport
@@ -46,7 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
     emit(
         arguments,
         table,
-        f"{report.points} points{earlier}: {report.gaits} gaits, {report.failures} without one\n"
+        f"{counted(report.points, 'point')}{earlier}: {counted(report.gaits, 'gait')}, {report.failures} without one\n"
         f"{report.seconds:.1f} s, {report.gaits_per_second:.2f} points a second; table in {report.index}",
     )
     return SUCCESS

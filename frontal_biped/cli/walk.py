@@ -21,6 +21,7 @@ from frontal_biped.cli.arguments import (
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
 from frontal_biped.cli.output import emit, report, require_output
 from frontal_biped.cli.progress import Progress
+from frontal_biped.files.counted import counted
 
 if TYPE_CHECKING:
     from frontal_biped.simulation.space.pushes import SpatialPush
@@ -190,7 +191,8 @@ def _head(run: "SpatialRun", asked: int, remedy: str | None) -> list[str]:
     measured = run.settings.get("measured", {})
     fate = "walked" if not run.fell else f"FELL ({run.outcome}) after"
     way = round(float(run.com[-1, 0] - run.com[0, 0]), 2) + 0.0  # no minus zero
-    reached = f"{run.robot}: {fate} {run.steps_completed} steps of {asked}, {way:.2f} m in {float(run.t[-1]):.2f} s"
+    steps = counted(run.steps_completed, "step")
+    reached = f"{run.robot}: {fate} {steps} of {asked}, {way:.2f} m in {float(run.t[-1]):.2f} s"
     shares = [(what, measured[key]) for key, what in _MOTORS if measured.get(key)]
     told = [f"{what} of {share['joint']} {100.0 * share['largest']:.0f} % of its limit" for what, share in shares]
     if not told:

@@ -9,6 +9,7 @@ from string import Template
 from frontal_biped.demo.typeset import typeset
 from frontal_biped.figures.style import DARK
 from frontal_biped.figures.write import FIGURES
+from frontal_biped.files.counted import counted
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.viewer.page import animation_page, closed_page, web_text
@@ -52,7 +53,7 @@ def report_page(
     """
     heading = title or f"{biped.name}: frontal-plane walking"
     animation = animation_page(biped, trajectory, title=biped.name, theme="auto")
-    outcome = f"{trajectory.steps_completed} steps, {trajectory.outcome}"
+    outcome = f"{counted(trajectory.steps_completed, 'step')}, {trajectory.outcome}"
     body = Template(web_text("report.html", _HERE)).substitute(
         title=html.escape(heading),
         subtitle=html.escape(subtitle or outcome),

@@ -18,6 +18,7 @@ from frontal_biped.design.variables import STEP_WIDTH
 from frontal_biped.design.verification import RETURN_TOLERANCE, Verification, verify
 from frontal_biped.design.walk_trial import WalkTrial
 from frontal_biped.exceptions import SpecificationError, UnreachablePoseError
+from frontal_biped.files.counted import counted
 from frontal_biped.files.provenance import software_versions
 from frontal_biped.files.shown import html_table
 from frontal_biped.gait.check import ConstraintReport
@@ -82,7 +83,9 @@ class DesignResult:
 
     @property
     def _rows(self) -> list[tuple[str, str]]:
-        work = f"{self.iterations} iterations, {self.evaluations} evaluations, {self.seconds:.1f} s"
+        work = (
+            f"{counted(self.iterations, 'iteration')}, {counted(self.evaluations, 'evaluation')}, {self.seconds:.1f} s"
+        )
         rows = [("gait", "none" if self.gait is None else repr(self.gait)), ("message", self.message), ("search", work)]
         return rows if self.walk is None else [*rows, ("walk", str(self.walk))]
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from frontal_biped.files.counted import counted
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.falls import OFF_SPEED
@@ -53,10 +54,10 @@ class EngineWalk:
 
     def __str__(self) -> str:
         if not self.walked and self.outcome != OFF_SPEED:
-            return f"{self.engine}: fell after {self.steps} steps, {self.outcome}"
+            return f"{self.engine}: fell after {counted(self.steps, 'step')}, {self.outcome}"
         off = "" if self.speed_error is None else f", speed half-way down {100.0 * self.speed_error:+.1f} %"
         cost = "" if self.cost_ratio is None else f", J {self.cost_ratio:.2f} times the gait's"
-        return f"{self.engine}: {self.steps} steps{off}{cost}"
+        return f"{self.engine}: {counted(self.steps, 'step')}{off}{cost}"
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,9 @@ from frontal_biped.zero_dynamics.energy import PhaseEnergy
 from frontal_biped.zero_dynamics.half_steps import landing_at_end, speed_at_end
 from frontal_biped.zero_dynamics.restricted import F_V
 
+ROUNDING = 1e-12
+"""Of an angle where a phase ends [rad]."""
+
 LIFTED = 1e-3
 """Share 1 - t2 of a phase below which touchdown or lift-off speak for the swing foot: both it and its height vanish."""
 
@@ -106,13 +109,15 @@ class ContactMargins:
         """Contact constraints along a phase; ``foot_end`` is where the swing foot is on the ground [rad]."""
         parts = []
         for panel in energy.panels:
-            inside = panel.motion.q[:, 0] <= reversal + 1e-12
+            inside = panel.motion.q[:, 0] <= reversal + ROUNDING
             if not np.any(inside):
                 break
             forces = panel.forces(panel.left(zeta))
             parts.append((panel.motion.q[inside].T, forces[:, inside], panel.restricted.p_fri[inside]))
         q, forces, p_fri = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
-        share = (q[0] - foot_end) / (reversal - foot_end)
+        way, whole = q[0] - foot_end, reversal - foot_end
+        # a robot that turns back where it begins has no way along which a foot could have lifted
+        share = way / whole if whole > ROUNDING else np.zeros_like(way)
         lifted = share > LIFTED
         heights = sole_heights(self.biped, q.T[lifted])
         limits = phase_limits(self.biped, self.limits, forces, p_fri, name)

@@ -86,6 +86,11 @@ class ScenarioResult:
         values = [abs(result.measured[key]) for result in self.results]
         return max(values, key=lambda value: (value == value, value))
 
+    def least(self, key: str) -> float:
+        """Smallest value of a measure over the trials; nan where there was nothing to measure."""
+        values = [result.measured[key] for result in self.results]
+        return min(values, key=lambda value: (value == value, value))
+
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
         return {

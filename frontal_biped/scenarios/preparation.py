@@ -12,6 +12,7 @@ import numpy as np
 
 from frontal_biped.design.optimise import optimise_gait
 from frontal_biped.exceptions import DesignFailedError, FrontalBipedError, ScenarioError
+from frontal_biped.files.counted import counted
 from frontal_biped.files.table import Range, draw
 from frontal_biped.gait.file import load_gait
 from frontal_biped.gait.gait import Gait
@@ -101,7 +102,7 @@ def prepare(scenario: Scenario) -> Prepared:
         if time is not None and (time.high if isinstance(time, Range) else time) > longest:
             latest = time if isinstance(time, Range) else f"{time:g}"
             raise ScenarioError(
-                f"{where}: [[push]] {i + 1}: time = {latest} s: the run of {scenario.steps} steps ends at"
+                f"{where}: [[push]] {i + 1}: time = {latest} s: the run of {counted(scenario.steps, 'step')} ends at"
                 f" {longest:.3g} s; push earlier or raise steps"
             )
     return Prepared(scenario, biped, gait, durations, free)

@@ -6,25 +6,38 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from frontal_biped.files.atomic import write_text
+from frontal_biped.files.counted import counted
 from frontal_biped.scenarios.expectations import AT_MOST
 from frontal_biped.scenarios.monte_carlo import CONFIDENCE, ScenarioResult
 
 MOST_LISTED = 5
 """Failed trials of one scenario that a table names."""
 
-_COLUMNS = ("scenario", "simulator", "steps", "trials", "passed", "output error", "step time", "torque", "F_h/F_v", "")
-_UNITS = ("", "", "each", "", f"{100 * CONFIDENCE:g} % interval", "rad", "off by", "of limit", "", "")
+_COLUMNS = (
+    "scenario",
+    "simulator",
+    "steps",
+    "trials",
+    "passed",
+    "output error",
+    "step time",
+    "torque",
+    "F_h/F_v",
+    "FRI",
+    "",
+)
+_UNITS = ("", "", "each", "", f"{100 * CONFIDENCE:g} % interval", "rad", "off by", "of limit", "", "mm inside", "")
 
 
 def verdict(results: Sequence[ScenarioResult]) -> str:
     """Three lines: is all as expected, which bound was nearest, what it needed of the motors."""
     failed = [result for result in results if not result.passed]
     trials, passed = (sum(getattr(result.survival, key) for result in results) for key in ("trials", "passed"))
-    scenarios = "1 scenario" if len(results) == 1 else f"{len(results)} scenarios"
+    scenarios = counted(len(results), "scenario")
     if failed:
         reached = f"FAILED: {len(failed)} of {scenarios}: " + "; ".join(_why(result) for result in failed)
     else:
-        reached = f"as expected: {scenarios}, {passed} of {trials} trials passed"
+        reached = f"as expected: {scenarios}, {passed} of {counted(trials, 'trial')} passed"
     return "\n".join([reached, f"tightest  {_tightest(results)}", f"motors    {_motors(results)}"])
 
 
@@ -80,7 +93,7 @@ def table(results: Sequence[ScenarioResult]) -> str:
             why = "; ".join(finding.text for finding in trial.failures)
             lines.append(f"{result.scenario.name}, trial {trial.number} of seed {trial.seed}: {why}")
         if len(failed) > MOST_LISTED:
-            lines.append(f"{result.scenario.name}: and {len(failed) - MOST_LISTED} more trials")
+            lines.append(f"{result.scenario.name}: and {counted(len(failed) - MOST_LISTED, 'more trial')}")
         if failed and result.passed:
             lines.append(f"{result.scenario.name}: that is as expected, survival = {result.scenario.expect.survival:g}")
     return "\n".join(lines)
@@ -92,7 +105,7 @@ def markdown(results: Sequence[ScenarioResult]) -> str:
     lines = [head, "|---|---|---|---|---|---|"]
     for result in results:
         scenario, row = result.scenario, _row(result)
-        cells = (scenario.name, scenario.about, f"{row[1]}, {row[2]} steps", row[4], row[6], row[7])
+        cells = (scenario.name, scenario.about, f"{row[1]}, {counted(scenario.steps, 'step')}", row[4], row[6], row[7])
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
@@ -112,6 +125,7 @@ def _row(result: ScenarioResult) -> tuple[str, ...]:
         f"{100 * result.worst('step_time_error'):.2g} %",
         f"{result.worst('torque'):.2f}",
         f"{result.worst('friction'):.2f}",
+        f"{1e3 * result.least('fri_margin'):.3g}",
         "as expected" if result.passed else "FAILED",
     )
 
@@ -131,7 +145,7 @@ def write_junit(results: Sequence[ScenarioResult], path: Path) -> None:
         if partial:
             case = ElementTree.SubElement(suite, "testcase", name="survival", classname=scenario.name)
             case.set("time", f"{result.seconds:.3f}")
-            text = f"{result.survival.passed} of {result.survival.trials} trials passed"
+            text = f"{result.survival.passed} of {counted(result.survival.trials, 'trial')} passed"
             if not result.passed:
                 failures = 1
                 message = f"{text}, expected a share of {scenario.expect.survival:g}"

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from frontal_biped.files.counted import counted
 from frontal_biped.files.table import Range, Value
 from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.model.stance_map import Stance
@@ -256,7 +257,7 @@ class Scenario:
 
     def __repr__(self) -> str:
         about = f"; {self.about}" if self.about else ""
-        return f"Scenario {self.name!r}: {self.robot!r}, {self.steps} steps in {self.simulator!r}{about}"
+        return f"Scenario {self.name!r}: {self.robot!r}, {counted(self.steps, 'step')} in {self.simulator!r}{about}"
 
     @property
     def push_moments(self) -> list[Moment]:

@@ -32,6 +32,8 @@ class Disturbances:
         ground: heights of the ground under the first landings, above the level on which the feet start [m].
         ground_height: further landings are uniform within plus and minus this [m].
         friction: coefficient of the ground [-]; None: the foot never slips (rigid engine), the engine's own (MuJoCo).
+        rolls: does the stance foot roll over its edge where the FRI leaves the sole, a fall? Otherwise it stays
+            flat whatever is asked of it (rigid engine; in MuJoCo feet roll in any case).
         torque_limits: what the motors of ankles and hips give at most, whatever is commanded [N m].
 
     Raises:
@@ -49,6 +51,7 @@ class Disturbances:
     ground: tuple[float, ...] = ()
     ground_height: float = 0.0
     friction: float | None = None
+    rolls: bool = False
     torque_limits: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:

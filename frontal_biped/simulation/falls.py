@@ -129,6 +129,7 @@ GOVERNING: Mapping[str, tuple[Stages, ...]] = {
     EventKind.TIPPED_OUTWARDS.value: (_inside, _level, _longer, _clearance),
     EventKind.TURNED_OUTWARDS.value: (_inside, _level, _longer, _clearance),
     EventKind.SLIPPED.value: (_firm, *EVERYTHING),
+    EventKind.ROLLED.value: (_inside, _level, _longer, _clearance),
     EventKind.COLLAPSED.value: (_inside, _longer, _level, _clearance),
     TIMED_OUT: (_inside, _longer, _level, _clearance),
     OFF_SPEED: (_inside, _longer, _level, _clearance),

@@ -40,6 +40,7 @@ class EventKind(Enum):
     COLLAPSED = "the centre of mass dropped below 60 % of its upright height"
     EDGE_LANDING = "the swing foot landed on its edge"
     SLIPPED = "the stance foot slipped: the ground reaction left the friction cone"
+    ROLLED = "the stance foot rolled over its edge: the FRI left the sole"
 
 
 class Guard(NamedTuple):

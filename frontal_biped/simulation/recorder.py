@@ -4,11 +4,13 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
 from frontal_biped.simulation.hybrid_system import EventKind
+from frontal_biped.simulation.rows import Rows
 from frontal_biped.simulation.stance_motion import Reaction
 from frontal_biped.simulation.trajectory import SAMPLED, Trajectory
 from frontal_biped.virtual_constraints.phase import StepPhase
@@ -18,8 +20,9 @@ class Recorder:
     """Collects samples and events; every run is recorded here, whatever moves the robot or decides for it."""
 
     def __init__(self) -> None:
-        self._rows: dict[str, list[Any]] = {name: [] for name in SAMPLED}
-        self._events: list[tuple[float, str, int, FloatArray]] = []
+        self._rows = Rows(SAMPLED)
+        self._events = Rows(("t", "step", "state"))
+        self._kinds: list[str] = []
 
     def sample(
         self,
@@ -36,7 +39,7 @@ class Recorder:
         step: int,
     ) -> None:
         """Add a sample; units and shapes as in `Trajectory`."""
-        values = {
+        values: dict[str, ArrayLike] = {
             "t": t,
             "q": state.q,
             "dq": state.dq,
@@ -50,24 +53,24 @@ class Recorder:
             "stance_y": stance_y,
             "step": float(step),
         }
-        for name, value in values.items():
-            self._rows[name].append(value)
+        self._rows.add(values)
 
     def event(self, t: float, kind: EventKind, step: int, state: State) -> None:
         """Add an event at time t [s], and the state right after it."""
-        self._events.append((float(t), kind.name, step, np.concatenate(state)))
+        self._events.add({"t": t, "step": step, "state": np.concatenate(state)})
+        self._kinds.append(kind.name)
 
     def finish(
         self, robot: str, outcome: str, steps: int, gait: Mapping[str, Any], settings: Mapping[str, Any]
     ) -> Trajectory:
         """The run; ``outcome`` is `trajectory.COMPLETED` or what made the robot fall."""
-        times, kinds, event_steps, states = zip(*self._events, strict=True)
+        events = self._events.take()
         return Trajectory(
-            **{name: np.array(rows, dtype=float) for name, rows in self._rows.items()},
-            event_t=np.array(times),
-            event_kind=tuple(kinds),
-            event_step=np.array(event_steps, dtype=float),
-            event_state=np.array(states),
+            **self._rows.take(),
+            event_t=events["t"],
+            event_kind=tuple(self._kinds),
+            event_step=events["step"],
+            event_state=events["state"],
             robot=robot,
             outcome=outcome,
             steps_completed=steps,

@@ -18,6 +18,11 @@ from frontal_biped.virtual_constraints.phase import StepPhase
 MAX_STEP = 1e-3
 """Longest Runge-Kutta step under held torques [s]: at order 4 it is exact to rounding."""
 
+BEYOND_SOLE = 1e-3
+"""Share of the way from ankle to end of the sole that a FRI may be beyond that end before the foot rolls.
+
+A controller keeps the FRI inside at its ticks; torques that are held between them let it pass by 1e-6 of that way."""
+
 MOST_TURNS = 20
 """Times a push may turn the robot outwards again within one step."""
 
@@ -111,13 +116,14 @@ class RigidEngine:
 
     def advance(self, t: float, end: float, tau: FloatArray, pushes: PushForces) -> Move:
         """Under held joint torques (4,) [N m] from t to ``end`` [s], or to the first event."""
-        motion, friction = self.motion, self.settings.disturbances.friction
+        motion = self.motion
         motion.u = self.biped.stance_map.torques_to_stance(tau, self.stance)
         steps: list[tuple[float, float, State]] = []
         while end - t > AT_ONCE:
             motion.feel(pushes, t)
-            if friction is not None and motion.friction_used(self.state) > friction:
-                return Move(t, steps, EventKind.SLIPPED, EventKind.SLIPPED)
+            gave_way = self._gives_way()
+            if gave_way is not None:
+                return Move(t, steps, gave_way, gave_way)
             h = min(end - t, MAX_STEP)
             after = motion.advance(self.state, h)
             values = self._guard_values(after)
@@ -132,6 +138,22 @@ class RigidEngine:
             self.state, self._values = after, values
             steps.append((h, t, after))
         return Move(t, steps)
+
+    def _gives_way(self) -> EventKind | None:
+        """How the ground fails to hold the stance foot, where the settings say that it can."""
+        friction, rolls = self.settings.disturbances.friction, self.settings.disturbances.rolls
+        if friction is None and not rolls:
+            return None
+        reaction = self.motion.reaction(self.state)
+        if reaction.friction_used > (friction or np.inf):
+            return EventKind.SLIPPED
+        return EventKind.ROLLED if self._rolls(reaction.F_v, reaction.p_fri) else None
+
+    def _rolls(self, upwards: float, place: float) -> bool:
+        """Does a foot roll over its edge? By what the ground does: upwards [N, N s], and where along h [m]."""
+        outer, inner = self.biped.sole
+        inside = upwards > 0.0 and max(place / outer, place / inner) <= 1.0 + BEYOND_SOLE
+        return self.settings.disturbances.rolls and not inside
 
     def cross(self, kind: EventKind) -> EventKind | None:
         """Pass an event at the present state; how the robot fell, if it did."""
@@ -154,6 +176,8 @@ class RigidEngine:
             return EventKind.EDGE_LANDING
         if landing.friction_used > (self.settings.disturbances.friction or np.inf):
             return EventKind.SLIPPED
+        if self._rolls(float(landing.impulse[1]), -landing.center_of_pressure):  # the new h points the other way
+            return EventKind.ROLLED
         self._foot_y = {swing: self.foot_position(swing)[0]}
         self._motion[swing].u = relabel(self.motion.u)  # joint torques persist through the impact
         self.state = landing.state

@@ -26,6 +26,11 @@ class Reaction(NamedTuple):
     F_v: float
     p_fri: float
 
+    @property
+    def friction_used(self) -> float:
+        """Coefficient of friction |F_h| / F_v that keeps the foot at rest; inf if the ground would pull."""
+        return abs(self.F_h) / self.F_v if self.F_v > 0.0 else float("inf")
+
 
 class StanceMotion:
     """The robot on one foot under held torques and pushes.
@@ -65,11 +70,6 @@ class StanceMotion:
             F_h -= force
             N_0 += force * self._pelvis.height(q, height)
         return Reaction(float(F_h), float(F_v), float(N_0 / F_v))
-
-    def friction_used(self, state: State) -> float:
-        """Coefficient of friction |F_h| / F_v that keeps the stance foot at rest; inf if the ground would pull."""
-        F_h, F_v, _ = self.reaction(state)
-        return abs(F_h) / F_v if F_v > 0.0 else float("inf")
 
     def advance(self, state: State, h: float) -> State:
         """State after h [s], by a Runge-Kutta step of order 4."""

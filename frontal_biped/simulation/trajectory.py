@@ -19,6 +19,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
 from frontal_biped.files.archive import ArchiveKind, read_archive, write_archive
 from frontal_biped.files.array_schema import ArraySchema
+from frontal_biped.files.counted import counted
 from frontal_biped.files.header_schema import COUNT, LINE, TABLE, words_among
 from frontal_biped.files.kinds import RUN
 from frontal_biped.files.shown import Plotted, ShownAsPage
@@ -91,9 +92,10 @@ class Trajectory(ShownAsPage, Plotted):
     settings: Mapping[str, Any] = field(default_factory=dict)
 
     def __repr__(self) -> str:
+        steps = counted(self.steps_completed, "step")
         return (
-            f"Trajectory of {self.robot!r}: {self.outcome}, {self.steps_completed} steps in {float(self.t[-1]):.2f} s,"
-            f" {len(self.t)} samples;\n  positions, velocities, torques by joint: {', '.join(ROLL_JOINTS)}"
+            f"Trajectory of {self.robot!r}: {self.outcome}, {steps} in {float(self.t[-1]):.2f} s,"
+            f" {counted(len(self.t), 'sample')};\n  positions, velocities, torques by joint: {', '.join(ROLL_JOINTS)}"
         )
 
     @property

@@ -14,11 +14,12 @@ from frontal_biped.analysis.push_recovery import (
     INSTANTS,
     PUSH_DURATION,
     RECOVERED,
-    pushed_walk,
+    held_walk,
     speed_errors,
     time_in_step,
 )
 from frontal_biped.design.optimise import optimise_gait
+from frontal_biped.files.counted import counted
 from frontal_biped.gait.check import ConstraintReport
 from frontal_biped.gait.file import load_gait
 from frontal_biped.gait.gait import Gait
@@ -171,7 +172,7 @@ def push(tell: Tell, name: str, gait: Gait, impulse: float, moment: str) -> Push
     def on_step(done: int) -> None:
         tell(f"walking: step {done} of {steps}")
 
-    run = pushed_walk(biped, gait, PUSH_STABILISER, shove, steps=steps, on_step=on_step)
+    run = held_walk(biped, gait, PUSH_STABILISER, shove, steps=steps, on_step=on_step)
     sense = "outwards" if impulse > 0.0 else "inwards"
     what = f"push of {abs(impulse):g} N s {sense}, {moment}"
     if run.fell:
@@ -182,7 +183,7 @@ def push(tell: Tell, name: str, gait: Gait, impulse: float, moment: str) -> Push
         return Pushed(False, f"{what}: walks on, but {left}", clip_of(biped, run, shove))
     late = np.flatnonzero(errors > RECOVERED)
     count = int(late[-1]) - STEPS_BEFORE + 1 if len(late) else 0
-    within = f"within {100.0 * RECOVERED:.0f} % of its speed after {count} step{'s' if count != 1 else ''}"
+    within = f"within {100.0 * RECOVERED:.0f} % of its speed after {counted(count, 'step')}"
     return Pushed(True, f"{what}: recovered, {within}", clip_of(biped, run, shove))
 
 

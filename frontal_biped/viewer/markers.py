@@ -6,6 +6,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.simulation.world import FEET, phase_spans, resample, sole_ends, world_configurations
 from frontal_biped.viewer.placements import at, hanging_cylinder
@@ -14,7 +15,10 @@ CONTACT, COM, TRACE = "contact", "centre_of_mass", "trace"
 """Top nodes of a robot's markers."""
 
 FORCE_LENGTH = 0.6  # length of the arrow that carries the whole weight, over the hip's height
-TRACE_RATE = 60.0  # points of a trace [1/s]
+TRACE_RATE, FEWEST_POINTS = 60.0, 12  # points of a trace [1/s], and at least
+
+MOST_POINTS = 16_000
+"""Of all traces of a run together, about; those of a longer run have fewer a second."""
 
 COLOURS = {
     "force": 0x009E73,
@@ -34,12 +38,14 @@ class SwingTrace(NamedTuple):
 
     Attributes:
         step: its index.
+        foot: that swings.
         start: time from the start of the run [s].
         end: [s].
         points: (n, 3) at even times from start to end [m].
     """
 
     step: int
+    foot: Stance
     start: float
     end: float
     points: FloatArray
@@ -48,20 +54,21 @@ class SwingTrace(NamedTuple):
 def swing_traces(biped: FrontalBiped, trajectory: Trajectory) -> list[SwingTrace]:
     """The way of the swing foot, step by step; steps of no duration are left out."""
     spans = phase_spans(trajectory)
+    rate = min(TRACE_RATE, MOST_POINTS / max(spans[-1].end - spans[0].start, 1e-9))
     traces = []
     for step in dict.fromkeys(span.step for span in spans):
         own = [span for span in spans if span.step == step]
         start, end = own[0].start, own[-1].end
         if end - start < 1e-3:
             continue
-        times = np.linspace(start, end, max(12, int(np.ceil(TRACE_RATE * (end - start)))))
+        times = np.linspace(start, end, max(FEWEST_POINTS, int(np.ceil(rate * (end - start)))))
         inside = times.copy()
         inside[[0, -1]] += np.array([1e-9, -1e-9])  # at its ends two samples share one time
         poses = resample(trajectory, inside)
         ends = sole_ends(biped, world_configurations(biped, poses))
-        swing = FEET.index(own[0].stance.other)
-        zero = float(trajectory.t[0])
-        traces.append(SwingTrace(step, start - zero, end - zero, ends[:, swing].mean(axis=1)))
+        foot, zero = own[0].stance.other, float(trajectory.t[0])
+        points = ends[:, FEET.index(foot)].mean(axis=1)
+        traces.append(SwingTrace(step, foot, start - zero, end - zero, points))
     return traces
 
 
@@ -99,14 +106,22 @@ def draw_com(com: Any, hip_height: float) -> None:
 
 
 def draw_traces(visualizer: Any, biped: FrontalBiped, traces: list[SwingTrace]) -> None:
-    """Put the ways of the swing foot into a node, a ribbon that faces the frontal camera for each step."""
+    """Put the ways of the swing foot into a node, ribbons that face the frontal camera: one mesh for each foot.
+
+    It holds the ribbons of the foot's steps one after another; the page shows the latest.
+    """
     import meshcat.geometry as mg
 
     width = 0.012 * float(biped.chain.joints[1, 1])
-    for trace in traces:
-        vertices, faces = ribbon(trace.points, width)
-        ribbon_mesh = mg.TriangularMeshGeometry(vertices, faces)
-        visualizer[TRACE][f"step_{trace.step}"].set_object(ribbon_mesh, overlay("trace", opacity=0.9))
+    for foot in FEET:
+        ribbons = [ribbon(trace.points, width) for trace in traces if trace.foot is foot]
+        if not ribbons:
+            continue
+        starts = np.cumsum([0, *(len(vertices) for vertices, _ in ribbons)])
+        vertices = np.concatenate([vertices for vertices, _ in ribbons])
+        faces = np.concatenate([faces + start for start, (_, faces) in zip(starts, ribbons, strict=False)])
+        mesh = mg.TriangularMeshGeometry(vertices, faces)
+        visualizer[TRACE][foot.value].set_object(mesh, overlay("trace", opacity=0.9))
 
 
 def ribbon(points: FloatArray, width: float) -> tuple[FloatArray, "np.ndarray[Any, np.dtype[np.int64]]"]:

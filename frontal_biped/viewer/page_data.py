@@ -1,6 +1,5 @@
 """What a page must know beside the scene: phases, events, pushes, traces, and the samples behind its plots."""
 
-import base64
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
@@ -14,13 +13,18 @@ from frontal_biped.model.chain import JOINTS
 from frontal_biped.simulation.orbit import ORBIT
 from frontal_biped.simulation.space.run import SpatialRun
 from frontal_biped.simulation.trajectory import Trajectory
-from frontal_biped.simulation.world import FEET, Phased, phase_spans
+from frontal_biped.simulation.world import FEET, Phased, frame_times, phase_spans
+from frontal_biped.viewer.channels import frame_rate, packed
 from frontal_biped.viewer.markers import COM, CONTACT, TRACE, swing_traces
+from frontal_biped.viewer.planar_motion import planar_motion
 from frontal_biped.viewer.scene import FIRST, GHOST, SECOND, Actor, frontal_camera
 from frontal_biped.virtual_constraints.phase import StepPhase
 
-MOST_SAMPLES = 4000
-"""Of one run in the plots; a longer one is thinned evenly within its phases."""
+MOST_SAMPLES = 12_000
+"""Of one run in the plots; a longer one is thinned, see `thinned`."""
+
+WINDOWS = 64
+"""Parts of a long run of which every curve keeps its highest and its lowest value."""
 
 
 def panel(key: str, title: str, label: str, lines: Sequence[tuple[str, ...]], **more: Any) -> dict[str, Any]:
@@ -62,19 +66,24 @@ def part(key: str, label: str, nodes: Sequence[Sequence[str]]) -> dict[str, Any]
     return {"key": key, "label": label, "nodes": [list(node) for node in nodes]}
 
 
-def page_data(actors: Sequence[Actor], plots: bool = True, theme: str = "auto") -> dict[str, Any]:
+def page_data(actors: Sequence[Actor], plots: bool = True, theme: str = "auto", fps: float = 30.0) -> dict[str, Any]:
     """Everything `viewer.js` reads.
 
     Args:
         actors: the robots of the scene, see `cast`.
         plots: with the samples for plots.
         theme: "auto" (what the browser prefers), "light" or "dark".
+        fps: frames of the motion a second, fewer for a long walk.
     """
+    longest = max(actors, key=lambda actor: actor.duration)
+    times = frame_times(longest.trajectory, frame_rate(len(actors) * longest.duration, fps)) - longest.trajectory.t[0]
     runs = [actor for actor in actors if actor.node != GHOST]
+    ghosts = [actor for actor in actors if actor.node == GHOST]
     return {
-        "duration": max(actor.duration for actor in actors),
+        "duration": longest.duration,
         "camera": frontal_camera(actors),
-        "runs": [_run(actor, plots) for actor in runs],
+        "runs": [_run(actor, plots) | {"motion": planar_motion(actor, times)} for actor in runs],
+        "moved": [{"node": actor.node, "motion": planar_motion(actor, times)} for actor in ghosts],
         "overlaid": any(actor.node == SECOND and not actor.marked for actor in actors),
         "ghost": any(actor.node == GHOST for actor in actors),
         "parts": _parts(actors),
@@ -126,7 +135,7 @@ def _run(actor: Actor, plots: bool) -> dict[str, Any]:
         "events": event_marks(run),
         "pushes": _pushes(run),
         "traces": [
-            {"step": trace.step, "start": trace.start, "end": trace.end, "pieces": len(trace.points) - 1}
+            {"foot": trace.foot.value, "start": trace.start, "end": trace.end, "pieces": len(trace.points) - 1}
             for trace in traces
         ],
         "limits": _limits(biped),
@@ -231,7 +240,8 @@ def samples(biped: FrontalBiped, trajectory: Trajectory) -> dict[str, Any]:
     Returns:
         "count", "breaks" (index of the first sample of each phase) and "channels".
     """
-    kept, breaks = thinned(trajectory)
+    names = ("q", "dq", "u", "force", "p_fri", "p_fri_target", "output_error")
+    kept, breaks = thinned(trajectory, np.column_stack([getattr(trajectory, name) for name in names]), MOST_SAMPLES)
     run = {name: getattr(trajectory, name)[kept] for name in ("t", "q", "dq", "u", "force", "p_fri", "p_fri_target")}
     wanted = trajectory.q_b_desired[kept]
     sole = 1e3 * np.array([biped.swing_sole(q)[:, 1] for q in run["q"]])
@@ -251,19 +261,26 @@ def samples(biped: FrontalBiped, trajectory: Trajectory) -> dict[str, Any]:
     }
 
 
-def thinned(trajectory: Phased, most: int = MOST_SAMPLES) -> tuple[np.ndarray[Any, np.dtype[np.intp]], list[int]]:
-    """Indices of at most about so many samples, both ends of every phase among them, and where phases begin."""
-    share = min(1.0, most / len(trajectory.t))
-    kept: list[np.ndarray[Any, np.dtype[np.intp]]] = []
-    breaks: list[int] = []
-    for span in phase_spans(trajectory):
+def thinned(run: Phased, values: FloatArray, most: int) -> tuple[np.ndarray[Any, np.dtype[np.intp]], list[int]]:
+    """Samples of a run that its plots keep: evenly chosen ones, both ends of every phase, and whatever is extreme.
+
+    Args:
+        run: the run.
+        values: (T, k) of its curves; of each the highest and the lowest value is kept in every one of `WINDOWS` parts
+            of the run, so that no spike is lost and every axis reaches as far as it would have.
+        most: how many samples to choose evenly, about.
+
+    Returns:
+        Their indices, and among them the index of the first of each phase.
+    """
+    share = min(1.0, most / len(run.t))
+    spans = phase_spans(run)
+    chosen: list[np.ndarray[Any, np.dtype[np.intp]]] = []
+    for span in spans:
         first, last = span.samples.start, span.samples.stop - 1
         count = max(2, int(np.ceil(share * (last - first + 1))))
-        breaks.append(sum(len(part) for part in kept))
-        kept.append(np.unique(np.linspace(first, last, count).round().astype(np.intp)))
-    return np.concatenate(kept), breaks
-
-
-def packed(values: FloatArray) -> str:
-    """Numbers as little-endian float32 in base64."""
-    return base64.b64encode(np.ascontiguousarray(values, dtype="<f4").tobytes()).decode("ascii")
+        chosen.append(np.linspace(first, last, count).round().astype(np.intp))
+    for part in np.array_split(np.arange(len(run.t)), WINDOWS if share < 1.0 else 1):
+        chosen += [part[values[part].argmin(axis=0)], part[values[part].argmax(axis=0)]]
+    kept = np.unique(np.concatenate(chosen))
+    return kept, np.searchsorted(kept, [span.samples.start for span in spans]).tolist()

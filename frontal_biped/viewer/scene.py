@@ -163,7 +163,7 @@ def animate(visualizer: Any, actors: Sequence[Actor], fps: float = 30.0) -> None
     for actor in actors:
         place = visualizer[actor.node]
         motion = world_motion(actor.biped, resample(actor.trajectory, actor.trajectory.t[0] + times))
-        for body, poses in _body_poses(actor.biped, motion):
+        for body, poses in body_poses(actor.biped, motion):
             _pose_tracks(clip_of(animation, place[ROBOT][body], fps), frames, poses)
         if actor.marked:
             _animate_markers(animation, place, actor.biped, motion, frames, fps)
@@ -213,7 +213,7 @@ def _reach(actor: Actor) -> tuple[float, float]:
 
 
 # ---------------------------------------------------------------------- animation
-def _body_poses(biped: FrontalBiped, motion: WorldMotion) -> Iterator[tuple[str, list[pin.SE3]]]:
+def body_poses(biped: FrontalBiped, motion: WorldMotion) -> Iterator[tuple[str, list[pin.SE3]]]:
     """Name and placements over time of each moving body."""
     model = biped.spatial_model
     data = model.createData()

@@ -19,8 +19,9 @@ from frontal_biped.simulation.space.soles import (
 from frontal_biped.simulation.space.steps import step_table
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.simulation.world import FEET, phase_spans
+from frontal_biped.viewer.channels import packed
 from frontal_biped.viewer.markers import COM, CONTACT
-from frontal_biped.viewer.page_data import BETA, event_marks, packed, panel, part, phase_marks, thinned, told_source
+from frontal_biped.viewer.page_data import BETA, event_marks, panel, part, phase_marks, thinned, told_source
 from frontal_biped.viewer.scene import FIRST
 from frontal_biped.viewer.space_motion import motion, spatial_pushes
 from frontal_biped.viewer.space_scene import (
@@ -32,7 +33,7 @@ from frontal_biped.viewer.space_scene import (
 )
 
 MOST_SAMPLES = 8000
-"""In the plots; of 200 steps some forty each."""
+"""In the plots; of 200 steps some forty each, of a longer walk fewer, see `thinned`."""
 
 LEGS = ("left leg", "right leg", "other joints")
 
@@ -138,7 +139,6 @@ def space_samples(robot: FreeRobot, run: SpatialRun) -> dict[str, Any]:
     Returns:
         "count", "breaks" (index of the first sample of each phase) and "channels".
     """
-    kept, breaks = thinned(run, MOST_SAMPLES)
     channels: dict[str, FloatArray] = {"t": run.t - run.t[0]}
     channels |= {f"q{i + 1}": run.frontal_q[:, i] for i in range(4)}
     channels["v1"] = run.frontal_dq[:, 0]
@@ -157,6 +157,7 @@ def space_samples(robot: FreeRobot, run: SpatialRun) -> dict[str, Any]:
     channels["friction"] = np.nan_to_num(friction_used(run))[rows, standing]
     channels["moment"] = np.nan_to_num(yaw_moments(run))[rows, standing]
     channels |= dict(zip(("roll", "pitch", "yaw"), np.degrees(_tilt(robot, run)).T, strict=True))
+    kept, breaks = thinned(run, np.column_stack(list(channels.values())), MOST_SAMPLES)
     return {
         "count": len(kept),
         "breaks": breaks,

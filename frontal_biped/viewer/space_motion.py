@@ -1,9 +1,4 @@
-"""How the scene of a walk in space moves: channels of numbers over time, and drivers that say what each of them moves.
-
-``how`` a driver moves its node is one of: "pose" (position and quaternion), "turn" and "slide" (about and along
-``axis``), "place" (position), "point" (y axis along a vector, stretched to its length), "lay" (x, y, yaw), "stretch"
-(scale of z), "arc" (scale of x and y, y mirrored where negative), "shown".
-"""
+"""How the scene of a walk in space moves: the robot by its joints, wrenches, centre of mass, footholds and pushes."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -18,14 +13,12 @@ from frontal_biped.simulation.space.resampling import resample_spatial
 from frontal_biped.simulation.space.run import SpatialRun
 from frontal_biped.simulation.space.soles import pressure_in_world, yaw_moments
 from frontal_biped.simulation.world import FEET, frame_times
+from frontal_biped.viewer.channels import ROOT_POSE, Channels, frame_rate, held
 from frontal_biped.viewer.markers import COM, CONTACT
-from frontal_biped.viewer.page_data import packed, told_pushes
+from frontal_biped.viewer.page_data import told_pushes
 from frontal_biped.viewer.scene import ROBOT
-from frontal_biped.viewer.space_robot import ROOT_POSE, body_drivers, channel
+from frontal_biped.viewer.space_robot import body_drivers, channel
 from frontal_biped.viewer.space_scene import FOOTHOLD, PUSH
-
-MOST_FRAMES = 12_000
-"""Of the robot's motion; of a longer walk there are fewer a second."""
 
 SMOOTH = 0.5
 """Over how long the way is averaged that the camera follows [s]: it does not sway with the robot."""
@@ -76,41 +69,24 @@ def spatial_pushes(robot: FreeRobot, run: SpatialRun) -> list[ShownPush]:
     return found
 
 
-class _Motion:
-    """Channels and drivers as they are collected."""
-
-    def __init__(self) -> None:
-        self.channels: dict[str, FloatArray] = {}
-        self.drivers: list[dict[str, Any]] = []
-
-    def drive(self, node: Sequence[str], how: str, **values: FloatArray) -> None:
-        """A driver with channels of its own."""
-        self.channels.update(values)
-        self.drivers.append({"node": list(node), "how": how, "from": list(values)})
-
-    def drive_vector(self, node: Sequence[str], how: str, name: str, values: FloatArray) -> None:
-        """A driver with three channels of its own, values (K, 3)."""
-        self.drive(node, how, **{f"{name}_{axis}": values[:, i] for i, axis in enumerate("xyz")})
-
-
 def motion(robot: FreeRobot, run: SpatialRun, pushes: Sequence[ShownPush] = (), fps: float = 30.0) -> dict[str, Any]:
-    """What moves, and how, at a fixed rate; channels are little-endian float32 in base64.
+    """What moves, and how, at a fixed rate.
 
     Args:
         robot: the robot.
         run: its walk, see `drawable_part`.
         pushes: what has an arrow in the scene.
-        fps: frames a second; fewer for a walk that would have more than `MOST_FRAMES`.
+        fps: frames a second; fewer for a long walk, see `frame_rate`.
 
     Returns:
-        "count", "breaks" (none), "channels" and "drivers"; the channels "way_x" and "way_y" lead the camera.
+        See `Channels.table`; the channels "way_x" and "way_y" lead the camera.
     """
-    rate = min(fps, MOST_FRAMES / max(float(run.t[-1] - run.t[0]), 1e-9))
+    rate = frame_rate(float(run.t[-1] - run.t[0]), fps)
     times = frame_times(run, rate)
     inside = times.copy()
     inside[-1] -= 1e-9  # the last instant has no sample after it
     seen = resample_spatial(run, inside)
-    found = _Motion()
+    found = Channels()
     found.channels["t"] = times - run.t[0]
     found.channels |= {name: seen.q[:, i] for i, name in enumerate(ROOT_POSE)}
     found.channels |= {channel(i): seen.q[:, 7 + i] for i in range(len(run.joint_names))}
@@ -122,29 +98,24 @@ def motion(robot: FreeRobot, run: SpatialRun, pushes: Sequence[ShownPush] = (), 
     _drive_pushes(found, robot, seen, pushes)
     smooth = _smoothed(seen.com[:, :2], max(1, round(SMOOTH * rate)))
     found.channels |= {"way_x": smooth[:, 0], "way_y": smooth[:, 1]}
-    return {
-        "count": len(times),
-        "breaks": [],
-        "channels": {name: packed(values) for name, values in found.channels.items()},
-        "drivers": found.drivers,
-    }
+    return found.table()
 
 
-def _drive_contacts(found: _Motion, robot: FreeRobot, seen: SpatialRun) -> None:
+def _drive_contacts(found: Channels, robot: FreeRobot, seen: SpatialRun) -> None:
     pressure, moments = pressure_in_world(seen), np.nan_to_num(yaw_moments(seen))
     for i, foot in enumerate(FEET):
         side, loaded = foot.value, np.isfinite(pressure[:, i, 0])
         node = [CONTACT, side]
         found.drive(node, "shown", **{f"on_{side}": loaded.astype(float)})
         # where the foot is in the air its hidden marker waits at the last place
-        found.drive_vector(node, "place", f"cop_{side}", _held(pressure[:, i], loaded))
+        found.drive_vector(node, "place", f"cop_{side}", held(pressure[:, i], loaded))
         force = seen.wrench[:, i, :3] / robot.weight
-        found.drive_vector([*node, "force"], "point", f"force_{side}", _held(force, loaded))
+        found.drive_vector([*node, "force"], "point", f"force_{side}", held(force, loaded))
         size = np.sqrt(np.abs(moments[:, i]) / (MOMENT_ARM * robot.weight)) * np.sign(moments[:, i])
         found.drive([*node, "moment"], "arc", **{f"arc_{side}": np.clip(size, -1.5, 1.5)})
 
 
-def _drive_footholds(found: _Motion, seen: SpatialRun) -> None:
+def _drive_footholds(found: Channels, seen: SpatialRun) -> None:
     for foot in FEET:
         swings = np.array([Stance.of_sign(sign) is not foot for sign in seen.stance], dtype=float)
         found.drive([FOOTHOLD, foot.value], "shown", **{f"next_{foot.value}": swings})
@@ -152,7 +123,7 @@ def _drive_footholds(found: _Motion, seen: SpatialRun) -> None:
         found.drive([FOOTHOLD, foot.value], "lay", **place)
 
 
-def _drive_pushes(found: _Motion, robot: FreeRobot, seen: SpatialRun, pushes: Sequence[ShownPush]) -> None:
+def _drive_pushes(found: Channels, robot: FreeRobot, seen: SpatialRun, pushes: Sequence[ShownPush]) -> None:
     model, data, times = robot.model, robot.model.createData(), found.channels["t"]
     for k, push in enumerate(pushes):
         shown = (times >= push.start) & (times <= push.start + max(push.duration, LEAST_SHOWN))
@@ -166,14 +137,6 @@ def _drive_pushes(found: _Motion, robot: FreeRobot, seen: SpatialRun, pushes: Se
         found.drive(node, "shown", **{f"push{k}_on": shown.astype(float)})
         found.drive_vector(node, "place", f"push{k}_at", tips)
         found.drive_vector(node, "point", f"push{k}_along", along)
-
-
-def _held(values: FloatArray, active: "np.ndarray[Any, np.dtype[np.bool_]]") -> FloatArray:
-    """Values (T, ...) where active, else the latest active ones, or the first where there were none yet."""
-    if not active.any():
-        return np.zeros_like(values)
-    latest = np.maximum.accumulate(np.where(active, np.arange(len(active)), -1))
-    return values[np.where(latest < 0, int(np.argmax(active)), latest)]
 
 
 def _smoothed(way: FloatArray, frames: int) -> FloatArray:

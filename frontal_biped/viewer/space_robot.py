@@ -11,14 +11,12 @@ import numpy as np
 import pinocchio as pin
 
 from frontal_biped.model.space.free_robot import FreeRobot
+from frontal_biped.viewer.channels import ROOT_POSE
 from frontal_biped.viewer.markers import COLOURS
 from frontal_biped.viewer.placements import at
 from frontal_biped.viewer.robot_shapes import Colour, draw_shapes
 
 TURNED = "turned"
-
-ROOT_POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
-"""Channels of the root's pose."""
 
 
 def node_paths(model: pin.Model) -> list[str]:

@@ -16,10 +16,10 @@ from frontal_biped.viewer.markers import COLOURS, COM, CONTACT, draw_com, draw_c
 from frontal_biped.viewer.placements import at
 from frontal_biped.viewer.scene import ABOVE, FIRST, FLOOR, GLOW, GROUND, LINE, ROBOT, draw_room, highest_body
 from frontal_biped.viewer.space_robot import draw_free_robot
-from frontal_biped.viewer.tracks import REPETITIONS, add_track, clip_of
+from frontal_biped.viewer.tracks import start_clock
 
-FOOTSTEPS, FOOTHOLD, PUSH, CLOCK = "footsteps", "foothold", "push", "clock"
-"""Nodes of a run: where the feet stood, where the next one is wanted, pushes; and an empty one that keeps time."""
+FOOTSTEPS, FOOTHOLD, PUSH = "footsteps", "foothold", "push"
+"""Nodes of a run: where the feet stood, where the next one is wanted, pushes."""
 
 ROOM = 6.0
 """Ground beyond the way, on every side [m]."""
@@ -58,7 +58,7 @@ def draw_space_scene(visualizer: Any, robot: FreeRobot, run: SpatialRun, pushes:
         _draw_foothold(place[FOOTHOLD][foot.value], sole)
     for k in range(pushes):
         _draw_push(place[PUSH][str(k)], robot)
-    _start_clock(visualizer, float(run.t[-1] - run.t[0]))
+    start_clock(visualizer, float(run.t[-1] - run.t[0]))
 
 
 def marker_size(robot: FreeRobot) -> float:
@@ -215,14 +215,3 @@ def _draw_push(node: Any, robot: FreeRobot) -> None:
     head = mg.Cylinder(0.3 * length, radiusTop=0.0, radiusBottom=0.075 * length)
     node["head"].set_object(head, material)
     node["head"].set_transform(at(0.0, -0.15 * length, 0.0))
-
-
-def _start_clock(visualizer: Any, duration: float) -> None:
-    """MeshCat's own animation of nothing at all: the page asks it for the time, and moves the scene itself."""
-    from meshcat.animation import Animation
-
-    fps = 1000.0  # key times are whole numbers of it
-    animation = Animation(default_framerate=fps)
-    still = clip_of(animation, visualizer[CLOCK], fps)
-    add_track(still, "position", "vector3", [0.0, duration * fps], [[0.0, 0.0, 0.0]] * 2)
-    visualizer.set_animation(animation, play=True, repetitions=REPETITIONS)

@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from frontal_biped.analysis.push_recovery import RECOVERED, largest_push
+from frontal_biped.analysis.push_recovery import RECOVERED, held_walk, largest_push
 from frontal_biped.analysis.return_map import Basin, RestrictedMap
 from frontal_biped.analysis.robustness import MapSummary, RobustnessCard, fixed_basin, robustness_card
 from frontal_biped.control import make_stabiliser
 from frontal_biped.library import worker_processes
-from frontal_biped.simulation import Disturbances, Push
-from frontal_biped.simulation.walking import simulate
+from frontal_biped.simulation import Push
 
 
 @pytest.fixture(scope="module")
@@ -77,8 +76,7 @@ def test_largest_push_is_survived_and_a_larger_one_is_not(biped, robust_gait):
     start = robust_gait.step(biped).rising.duration
     for factor, falls in ((1.0, False), (1.3, True)):
         push = Push(start, 0.05, factor * found.impulse)
-        disturbances = Disturbances(pushes=(push,))
-        run = simulate(biped, robust_gait, steps=6, period=1e-3, stabiliser="ankle", disturbances=disturbances)
+        run = held_walk(biped, robust_gait, "ankle", push, steps=6)
         last = run.post_impact_speeds[-1] / robust_gait.orbit.beta_dot_after_impact
         assert (run.fell or abs(last - 1.0) > RECOVERED) == falls
 

@@ -127,3 +127,13 @@ def test_reserves_of_a_plan_are_no_limits_of_the_contact(biped, gait, energies, 
     other = replace(gait, specification=replace(gait.specification, **change))
     found = ContactMargins(biped, other).falling(energies[1], gait.beta_reversal)
     assert {margin.name: margin.value for margin in found}.items() <= margins.items()
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_robot_that_turns_back_where_it_begins_has_a_room(biped, gait, energies):
+    """Its foot never lifts: nothing is asked of the swing foot, and everything else of the one point there is."""
+    rising, _ = energies
+    at_once = ContactMargins(biped, gait).rising(rising, gait.orbit.beta_dot_after_impact, rising.panels[0].start)
+    rooms = {margin.name: margin.value for margin in at_once}
+    assert rooms.pop("swing foot clearance, rising") == np.inf
+    assert np.isfinite(list(rooms.values())).all()

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import meshcat
 import numpy as np
+import pinocchio as pin
 import pytest
 import umsgpack
 from meshcat.geometry import Box
@@ -16,8 +17,10 @@ from frontal_biped.exceptions import RobotError
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.robot import Robot
 from frontal_biped.simulation import Disturbances, Push
+from frontal_biped.simulation.orbit import orbit_trajectory
 from frontal_biped.simulation.world import drawable, phase_spans, sole_ends, world_configurations, world_motion
 from frontal_biped.viewer import animation_page
+from frontal_biped.viewer.channels import MOST_FRAMES
 from frontal_biped.viewer.markers import ribbon, swing_traces
 from frontal_biped.viewer.page import SceneRecorder, recorded_scene
 from frontal_biped.viewer.page_data import MOST_SAMPLES, PANELS, page_data, samples, told_source
@@ -25,6 +28,9 @@ from frontal_biped.viewer.robot_shapes import visual_model
 from frontal_biped.viewer.scene import cast
 
 FPS = 30.0
+
+MOST_ADDED = 6e6
+"""What a walk, however long, adds to a page [bytes]: with the meshes of any packaged robot it stays below 10 MB."""
 
 
 @pytest.fixture(scope="module")
@@ -38,11 +44,25 @@ def commands(page):
     return [umsgpack.unpackb(base64.b64decode(text)) for text in texts]
 
 
-@pytest.fixture(scope="module")
-def clips(commands):
+def animation_of(commands):
     animation = [command for command in commands if command["type"] == "set_animation"]
     assert len(animation) == 1
     assert commands[-1] is animation[0]
+    return animation
+
+
+def test_page_has_a_clock_of_its_length(orbit, commands):
+    """MeshCat only keeps the time; what moves comes in channels, which are a tenth as large."""
+    (animation,) = animation_of(commands)
+    assert animation["options"]["play"] is True
+    assert animation["options"]["repetitions"] > 1000
+    (clip,) = animation["animations"]
+    assert clip["clip"]["tracks"][0]["keys"][-1]["time"] / clip["clip"]["fps"] == pytest.approx(orbit.t[-1])
+
+
+@pytest.fixture(scope="module")
+def clips(biped, orbit):
+    animation = animation_of(recorded_scene(cast(biped, orbit)).commands)
     assert animation[0]["options"]["play"] is True
     assert animation[0]["options"]["repetitions"] > 1000
     return {clip["path"]: clip["clip"] for clip in animation[0]["animations"]}
@@ -53,7 +73,7 @@ def test_scene_names_its_nodes(biped, commands):
     for shape in visual_model(biped.robot, biped.spatial_model).geometryObjects:
         body = biped.spatial_model.names[shape.parentJoint]
         assert f"/meshcat/first/robot/{body}/{shape.name}" in drawn
-    for name in ("contact/left/fri", "contact/right/force/head", "centre_of_mass/marker", "trace/step_3"):
+    for name in ("contact/left/fri", "contact/right/force/head", "centre_of_mass/marker", "trace/left", "trace/right"):
         assert f"/meshcat/first/{name}" in drawn
     assert "/meshcat/ground/slab" in drawn
     hidden = {
@@ -99,6 +119,50 @@ def test_keys_hold_the_motion(biped, orbit, clips):
     assert all(left is not right for left, right in zip(shown["left"], shown["right"], strict=True))
     quaternions = clips["/meshcat/first/robot/left_hip"]["tracks"][1]["keys"]
     np.testing.assert_allclose([np.linalg.norm(key["value"]) for key in quaternions], 1.0)
+
+
+@pytest.fixture(scope="module")
+def moved(biped, orbit):
+    return page_data(cast(biped, orbit))["runs"][0]["motion"]
+
+
+def test_channels_move_every_body_and_marker_through_the_run(biped, orbit, commands, moved):
+    names = ["/".join(driver["node"]) for driver in moved["drivers"]]
+    bodies = {f"robot/{name}" for name in biped.spatial_model.names[1:]}
+    markers = {f"contact/{foot}{part}" for foot in ("left", "right") for part in ("", "/force")}
+    assert bodies | markers | {"centre_of_mass", "centre_of_mass/plumb"} == set(names)
+    drawn = {command["path"] for command in commands}
+    assert all(any(path.startswith(f"/meshcat/first/{name}/") for path in drawn) for name in names)
+    channels = unpacked(moved)
+    assert {name for driver in moved["drivers"] for name in driver["from"]} <= set(channels)
+    assert all(len(values) == moved["count"] and np.isfinite(values).all() for values in channels.values())
+    assert np.all(np.diff(channels["t"]) > 0.0)
+    assert channels["t"][0] == 0.0
+    assert channels["t"][-1] == pytest.approx(orbit.t[-1])
+    assert moved["count"] in (int(np.floor(orbit.t[-1] * FPS)) + 1, int(np.floor(orbit.t[-1] * FPS)) + 2)
+
+
+def test_channels_hold_the_motion(biped, orbit, moved):
+    single, motion, channels = 1e-5, world_motion(biped, orbit), unpacked(moved)
+
+    def of(name, parts="xyz"):
+        return np.stack([channels[f"{name}_{part}"] for part in parts], axis=1)
+
+    for end in (0, -1):
+        np.testing.assert_allclose(of("com")[end], motion.com[end], atol=single)
+        loaded = "left" if motion.stance[end] > 0.0 else "right"
+        np.testing.assert_allclose(of(f"fri_{loaded}")[end], motion.fri[end], atol=single)
+        np.testing.assert_allclose(of(f"force_{loaded}")[end], motion.force[end] / biped.weight, atol=single)
+    np.testing.assert_array_equal(channels["on_left"] + channels["on_right"], 1.0)
+    model, data = biped.spatial_model, biped.spatial_model.createData()
+    pin.forwardKinematics(model, data, motion.q[-1])
+    for joint in range(1, model.njoints):
+        (driver,) = [driver for driver in moved["drivers"] if driver["node"] == ["robot", model.names[joint]]]
+        pose = pin.XYZQUATToSE3(np.array([channels[name][-1] for name in driver["from"]]))
+        np.testing.assert_allclose(pose.homogeneous, data.oMi[joint].homogeneous, atol=single)
+        # linear between frames: no quaternion changes its sign
+        turns = np.stack([channels[name] for name in driver["from"][3:]], axis=1)
+        assert (np.einsum("ti,ti->t", turns[1:], turns[:-1]) > 0.9).all()
 
 
 def test_animation_page_asks_no_network(page):
@@ -175,6 +239,33 @@ def test_long_runs_are_thinned_but_keep_both_ends_of_every_phase(biped, walk):
     assert starts <= {round(float(t), 3) for t in times}
 
 
+@pytest.fixture(scope="module")
+def many(biped, gait):
+    """Three hundred steps, and in one of them a spike of a single sample in every curve."""
+    run = orbit_trajectory(biped, gait, 300, samples=50)
+    spiked = {name: getattr(run, name).copy() for name in ("u", "dq", "p_fri")}
+    for values in spiked.values():
+        values[len(run.t) // 2 + 7] = 9.0 * np.abs(values).max()
+    return replace(run, **spiked)
+
+
+def test_what_is_drawn_of_a_long_walk_is_bounded_and_its_extremes_are_kept(biped, orbit, many):
+    few, long = (page_data(cast(biped, run))["runs"][0] for run in (orbit, many))
+    table, told = unpacked(long["samples"]), unpacked(few["samples"])
+    assert long["samples"]["count"] < 2 * MOST_SAMPLES < len(many.t)
+    for i in range(4):
+        for name, values in (("u", many.u), ("v", many.dq), ("q", many.q)):
+            drawn = table[f"{name}{i + 1}"]
+            np.testing.assert_allclose([drawn.min(), drawn.max()], [values[:, i].min(), values[:, i].max()], rtol=1e-6)
+    assert table["fri"].max() == pytest.approx(1e3 * many.p_fri.max())
+    # what is told is told of every step
+    assert long["steps"] == 300
+    assert len(long["phases"]) == 600
+    assert long["motion"]["count"] <= MOST_FRAMES + 2
+    assert set(table) == set(told)
+    assert len(animation_page(biped, many)) - len(animation_page(biped, orbit)) < MOST_ADDED
+
+
 def test_pushes_are_told(biped, gait, walk):
     pushed = replace(walk, settings={"disturbances": {"pushes": [{"start": 0.5, "duration": 0.1, "impulse": -3.0}]}})
     assert page_data(cast(biped, pushed))["runs"][0]["pushes"] == [{"start": 0.5, "duration": 0.1, "impulse": -3.0}]
@@ -217,6 +308,7 @@ def test_trace_is_the_way_of_the_swing_foot(biped, orbit):
         np.testing.assert_allclose(trace.points[:, 2], np.interp(t, orbit.t[own], middle[:, 2]), atol=1e-3)
     vertices, faces = ribbon(traces[0].points, 0.01)
     assert len(faces) == 2 * (len(traces[0].points) - 1)
+    assert [trace.foot.value for trace in traces] == ["right", "left", "right", "left"]
     np.testing.assert_allclose(np.linalg.norm(vertices[::2] - vertices[1::2], axis=1), 0.01)
 
 

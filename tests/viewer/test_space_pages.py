@@ -11,9 +11,10 @@ from swept_walk import swept_walk
 
 from frontal_biped.model.space.free_robot import FreeRobot
 from frontal_biped.simulation.orbit import orbit_trajectory
+from frontal_biped.viewer.channels import MOST_FRAMES
 from frontal_biped.viewer.page import recording
 from frontal_biped.viewer.space_data import SPACE_PANELS, space_page_data
-from frontal_biped.viewer.space_motion import MOST_FRAMES, ShownPush, motion, spatial_pushes
+from frontal_biped.viewer.space_motion import ShownPush, motion, spatial_pushes
 from frontal_biped.viewer.space_page import space_page
 from frontal_biped.viewer.space_robot import body_drivers, node_paths
 from frontal_biped.viewer.space_scene import FOOTSTEPS, TRIANGLES, draw_space_scene

@@ -28,6 +28,9 @@ from frontal_biped.model.chain import UPRIGHT
 from frontal_biped.model.impact import impact
 from frontal_biped.model.stance_map import Stance
 
+LARGEST = 1e6
+"""Of what is estimated, in rad, rad/s and rad/s^2: no robot comes near, and squares of it are still numbers."""
+
 
 class StateEstimator:
     """Estimates state and model error in stance coordinates.
@@ -84,9 +87,9 @@ class StateEstimator:
         else:
             gains = self._gains["velocities"][at]
             steps = gains[:, 0] * missed + gains[:, 1] * (dq - self.dq)
-        self.q = self.q + steps[0]
-        self.dq = self.dq + steps[1]
-        self.error = self.error + steps[2]
+        self.q = _sensible(self.q + steps[0])
+        self.dq = _sensible(self.dq + steps[1])
+        self.error = _sensible(self.error + steps[2])
 
     def land(self) -> None:
         """The swing foot lands and becomes the stance foot; if it lands tilted, the leg keeps its absolute angle."""
@@ -110,4 +113,9 @@ class StateEstimator:
         h, model, data = self.period, self._model, self._data
         ddq = pin.aba(model, data, q, dq, u) + self.error
         middle = pin.aba(model, data, q + 0.5 * h * dq, dq + 0.5 * h * ddq, u) + self.error
-        return q + h * dq + 0.5 * h**2 * ddq, dq + h * middle
+        return _sensible(q + h * dq + 0.5 * h**2 * ddq), _sensible(dq + h * middle)
+
+
+def _sensible(values: FloatArray) -> FloatArray:
+    """Values that can be reckoned with, whatever a broken sensor says: none beyond `LARGEST`."""
+    return np.minimum(np.maximum(values, -LARGEST), LARGEST)

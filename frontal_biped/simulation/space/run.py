@@ -16,6 +16,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.files.archive import ArchiveKind, read_archive, write_archive
 from frontal_biped.files.array_schema import ArraySchema
+from frontal_biped.files.counted import counted
 from frontal_biped.files.header_schema import NAMES
 from frontal_biped.files.kinds import SPACE_RUN
 from frontal_biped.files.shown import Plotted, ShownAsPage
@@ -121,9 +122,9 @@ class SpatialRun(ShownAsPage, Plotted):
     def __repr__(self) -> str:
         way = float(self.com[-1, 0] - self.com[0, 0])
         return (
-            f"SpatialRun of {self.robot!r}: {self.outcome}, {self.steps_completed} steps, {way:.2f} m in"
-            f" {float(self.t[-1]):.2f} s, {len(self.t)} samples;\n  positions, velocities, torques by joint, of"
-            f" {len(self.joint_names)} joints"
+            f"SpatialRun of {self.robot!r}: {self.outcome}, {counted(self.steps_completed, 'step')}, {way:.2f} m in"
+            f" {float(self.t[-1]):.2f} s, {counted(len(self.t), 'sample')};\n"
+            f"  positions, velocities, torques by joint, of {len(self.joint_names)} joints"
         )
 
     @property

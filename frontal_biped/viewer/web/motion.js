@@ -1,5 +1,5 @@
 // Moves the nodes of a scene by channels of numbers; which node by which channels, and how, is said by drivers
-// (see space_motion.py). MeshCat's own animation writes every pose of every body out; this stays small.
+// (see channels.py). MeshCat's own animation writes every pose of every body out; this stays small.
 class Motion {
   constructor(motion, find) {
     this.data = unpack(motion);

@@ -1,5 +1,6 @@
 // Plots that follow the animation. Drag in one, and the robot follows the plot.
 
+const LEAST_SHADE = 3; // [px] of a phase whose background is told
 const MARGIN = { left: 52, right: 10, top: 6, bottom: 32 };
 const GLYPHS = [
   (x, y) => `M${x - 3.4},${y}a3.4,3.4 0 1,0 6.8,0a3.4,3.4 0 1,0 -6.8,0Z`,
@@ -218,9 +219,13 @@ class Plot {
   // Rising phases shaded, impacts ruled, pushes coloured: of the first run.
   shades(top, height, clip) {
     if (!this.overTime) return "";
-    const run = this.runs[0], parts = [];
+    const run = this.runs[0], parts = [], [from, to] = this.span;
+    // of many steps in one picture a shade would be thinner than a line
+    const inside = run.phases.filter((phase) => phase.start >= from && phase.start <= to).length;
+    const clear = inside * LEAST_SHADE < this.x(to) - this.x(from);
     run.phases.forEach((phase, k) => {
       const end = k + 1 < run.phases.length ? run.phases[k + 1].start : run.duration;
+      if (!clear || end < from || phase.start > to) return;
       const left = this.x(phase.start), wide = this.x(end) - left;
       if (phase.phase === "rising") parts.push(`<rect class="rise" x="${left}" width="${number(wide)}" y="${top}" height="${height}"/>`);
     });
@@ -228,7 +233,7 @@ class Plot {
       const wide = Math.max(2, this.x(push.start + push.duration) - this.x(push.start));
       parts.push(`<rect class="pushed" x="${this.x(push.start)}" width="${wide}" y="${top}" height="${height}"/>`);
     }
-    for (const event of run.events.filter((one) => one.kind === "impact" && one.t > 0)) {
+    for (const event of run.events.filter((one) => clear && one.kind === "impact" && one.t > 0 && one.t >= from && one.t <= to)) {
       parts.push(`<line class="impact" x1="${this.x(event.t)}" x2="${this.x(event.t)}" y1="${top}" y2="${top + height}"/>`);
     }
     return `<g clip-path="url(#${clip})">${parts.join("")}</g>`;

@@ -1,3 +1,5 @@
+const MOST_MARKS = 240; // on a strip; of a longer run only every tenth, twentieth ... impact has one, and phases are not told
+
 // The strip under the slider: phases, reversals, impacts and pushes of each run; a click on a mark goes there.
 function drawStrips(host, about, seek) {
   const share = (time) => (100 * Math.min(Math.max(time, 0), about.duration)) / (about.duration || 1) + "%";
@@ -12,13 +14,13 @@ function drawStrips(host, about, seek) {
     return part;
   };
 
-  const mark = (strip, event) => {
+  const mark = (strip, event, text = event.kind) => {
     const button = document.createElement("button");
     button.type = "button";
     button.tabIndex = -1; // shift and the arrow keys go from event to event
     button.className = "mark " + event.kind;
     button.style.left = share(event.t);
-    button.title = event.kind + " at " + event.t.toFixed(3) + " s";
+    button.title = text + " at " + event.t.toFixed(3) + " s";
     button.setAttribute("aria-label", button.title);
     button.addEventListener("click", () => seek(event.t));
     strip.append(button);
@@ -32,7 +34,8 @@ function drawStrips(host, about, seek) {
       name.textContent = "AB"[index];
       strip.append(name);
     }
-    run.phases.forEach((phase, k) => {
+    const many = run.events.length > MOST_MARKS;
+    if (!many) run.phases.forEach((phase, k) => {
       const end = k + 1 < run.phases.length ? run.phases[k + 1].start : run.duration;
       place(strip, "part " + phase.phase, phase.start, end, "step " + phase.step + ", " + phase.phase);
     });
@@ -41,7 +44,10 @@ function drawStrips(host, about, seek) {
       const side = push.impulse > 0 ? "to the robot's left" : "to the robot's right";
       place(strip, "push", push.start, push.start + push.duration, "push of " + Math.abs(push.impulse) + " N s " + side);
     }
-    run.events.forEach((event) => mark(strip, event));
+    const impacts = run.events.filter((event) => event.kind === "impact");
+    const every = [10, 20, 50, 100, 200, 500, 1000, 2000].find((k) => impacts.length / k <= MOST_MARKS / 4) ?? 5000;
+    if (many) impacts.forEach((event, k) => k % every || mark(strip, event, k ? "impact after " + k + " steps" : event.kind));
+    else run.events.forEach((event) => mark(strip, event));
     if (run.outcome !== "completed") place(strip, "fall", run.duration, null, run.outcome).textContent = "✕";
     host.append(strip);
   });
@@ -79,7 +85,7 @@ function drawCaption(host, run, name) {
   return (time) => {
     const { phase, lit, over } = stateAt(run, time);
     const numbers = (run.readout || []).map((one) => `${one.name} ${told(valueAt(run.data, one.y, time), one.digits)} ${one.unit}`);
-    const text = name + (over ? `fell after ${run.steps} steps: ${run.outcome}` : ["step " + phase.step + of, phase.stance + " foot stands", ...numbers].join(", "));
+    const text = name + (over ? `fell after ${run.steps} ${run.steps === 1 ? "step" : "steps"}: ${run.outcome}` : ["step " + phase.step + of, phase.stance + " foot stands", ...numbers].join(", "));
     if (shown === text + lit) return;
     shown = text + lit;
     where.textContent = text;

@@ -179,17 +179,26 @@
   }
   at("toggles").hidden = !boxes.length;
 
-  // The trace grows with time, and the step before stays.
+  // Triangles of a mesh that are drawn, from which one on and how many.
+  const drawOnly = (path, first, count) => {
+    if (exists(...path)) node(...path).traverse((mesh) => mesh.geometry && mesh.geometry.setDrawRange(3 * first, 3 * count));
+  };
+
+  // The trace grows with time, and the step before stays: a part of the mesh of either foot, two triangles a piece.
+  for (const run of runs) {
+    const sum = { left: 0, right: 0 };
+    for (const trace of run.traces) [trace.first, sum[trace.foot]] = [sum[trace.foot], sum[trace.foot] + 2 * trace.pieces];
+    run.swings = run.traces.map((trace) => trace.start);
+  }
   const uncover = (time) => {
-    for (const run of runs) {
-      const reached = run.traces.filter((trace) => trace.start <= time).length;
-      run.traces.forEach((trace, k) => {
-        if (!exists("meshcat", run.node, "trace", "step_" + trace.step)) return;
-        const ribbon = node("meshcat", run.node, "trace", "step_" + trace.step);
-        ribbon.visible = k < reached && k >= reached - 2;
-        const share = Math.min((time - trace.start) / (trace.end - trace.start), 1);
-        if (ribbon.visible) ribbon.traverse((mesh) => mesh.geometry && mesh.geometry.setDrawRange(0, 6 * Math.ceil(share * trace.pieces)));
-      });
+    for (const run of runs.filter((one) => one.traces.length)) {
+      const last = indexAt(run.swings, time), shown = { left: [0, 0], right: [0, 0] };
+      for (const trace of run.traces.slice(Math.max(0, last - 1), last + 1)) {
+        const share = Math.min(Math.max((time - trace.start) / (trace.end - trace.start), 0), 1), before = shown[trace.foot];
+        const from = before[1] ? before[0] : trace.first; // a foot that swings twice in a row has one part
+        shown[trace.foot] = [from, trace.first + 2 * Math.ceil(share * trace.pieces) - from];
+      }
+      for (const [foot, [first, count]] of Object.entries(shown)) drawOnly(["meshcat", run.node, "trace", foot], first, count);
     }
   };
 
@@ -197,10 +206,9 @@
   const leave = (time) => {
     for (const run of runs.filter((one) => one.footsteps)) {
       for (const [side, times] of Object.entries(run.footsteps.times)) {
-        const count = times.filter((landed) => landed <= time + 1e-6).length;
+        const count = times.length && times[0] <= time + 1e-7 ? indexAt(times, time) + 1 : 0;
         for (const [name, triangles] of Object.entries(run.footsteps.triangles)) {
-          const path = ["meshcat", run.node, "footsteps", side, name];
-          if (exists(...path)) node(...path).traverse((mesh) => mesh.geometry && mesh.geometry.setDrawRange(0, 3 * triangles * count));
+          drawOnly(["meshcat", run.node, "footsteps", side, name], 0, triangles * count);
         }
       }
     }
@@ -257,8 +265,8 @@
     requestAnimationFrame(refresh);
     if (!ready && animator().duration > 0) {
       ready = true;
-      motions = runs.filter((run) => run.motion).map((run) => new Motion(run.motion, (path) => {
-        const whole = ["meshcat", run.node, ...path];
+      motions = [...runs, ...(about.moved || [])].filter((one) => one.motion).map((one) => new Motion(one.motion, (path) => {
+        const whole = ["meshcat", one.node, ...path];
         return exists(...whole) ? node(...whole) : null;
       }));
       shade(); paint(); choose(); pace();

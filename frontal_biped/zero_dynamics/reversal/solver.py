@@ -16,6 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from frontal_biped.exceptions import ReversalError
+from frontal_biped.files.counted import counted
 from frontal_biped.zero_dynamics.poincare import step_orbit
 from frontal_biped.zero_dynamics.reversal.problem import (
     DIFFERENCE,
@@ -98,9 +99,9 @@ def successive_approximation(
             return end(False, f"Z has no zero that can be reached with invariance imposed at {beta:.9g} rad")
         history.append(following)
         if abs(following - beta) <= tolerance:
-            return end(True, f"converged in {len(history) - 1} iterations")
+            return end(True, f"converged in {counted(len(history) - 1, 'iteration')}")
         beta = following
-    return end(False, f"not converged after {max_iterations} iterations")
+    return end(False, f"not converged after {counted(max_iterations, 'iteration')}")
 
 
 def _zero_at_fixed_parameters(problem: ReversalProblem, guess: float) -> tuple[float, int]:
@@ -174,12 +175,12 @@ def solve_reversal(problem: ReversalProblem, guess: float | None = None, *, tole
             step *= 0.5
         else:
             if abs(step) < 1e-6 * problem.length:  # rounding: the zero itself
-                return Iterations("Newton", True, beta, tuple(history), count, f"converged in {len(history) - 1} steps")
+                return Iterations("Newton", True, beta, tuple(history), count, _converged(len(history) - 1))
             break
         beta, value = beta + step, trial
         history.append(beta)
         if abs(step) <= tolerance or value == 0.0:
-            return Iterations("Newton", True, beta, tuple(history), count, f"converged in {len(history) - 1} steps")
+            return Iterations("Newton", True, beta, tuple(history), count, _converged(len(history) - 1))
     found = _bracket(problem, S, start)
     method = "Newton, then bracketing"
     if found is None:
@@ -191,7 +192,7 @@ def solve_reversal(problem: ReversalProblem, guess: float | None = None, *, tole
         return S(x)
 
     beta = float(brentq(recorded, low, high, xtol=1e-15, rtol=8.9e-16))
-    return Iterations(method, True, beta, (*history, beta), count, f"converged in {len(history)} steps")
+    return Iterations(method, True, beta, (*history, beta), count, _converged(len(history)))
 
 
 def _bracket(problem: ReversalProblem, S: Callable[[float], float], near: float) -> tuple[float, float] | None:
@@ -204,3 +205,7 @@ def _bracket(problem: ReversalProblem, S: Callable[[float], float], near: float)
     values = np.array([S(float(x)) for x in grid])
     pairs = [(float(grid[i]), float(grid[i + 1])) for i in range(len(grid) - 1) if values[i] * values[i + 1] < 0.0]
     return min(pairs, key=lambda pair: abs(0.5 * (pair[0] + pair[1]) - near)) if pairs else None
+
+
+def _converged(steps: int) -> str:
+    return f"converged in {counted(steps, 'step')}"

@@ -130,3 +130,18 @@ def test_what_cannot_be_followed_over_the_sway_is_refused(low_torso, biped, refe
     ):
         with pytest.raises(SimulationError, match=word):
             Walker(robot, reference_gait, **options)
+
+
+@pytest.mark.filterwarnings("error")
+def test_readings_beyond_all_numbers_leave_torques_as_they_were(biped, reference_gait):
+    """A broken encoder may say anything; the answer is numbers within the limits, and no warning."""
+    q, dq = reference_gait.state_after_impact()
+    robot = PinnedRobot(biped, Stance.LEFT, q, dq)
+    walker = Walker(biped, reference_gait)
+    walker.reset(Stance.LEFT, q, dq)
+    walker.tick(robot.reading())
+    robot.q, robot.dq = q * 1e200, dq * 1e200
+    for _ in range(3):
+        command = walker.tick(robot.reading())
+        assert not command.solved
+        assert np.all(np.abs(command.joint_torques) <= np.max(biped.max_torque))

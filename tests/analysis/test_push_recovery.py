@@ -1,0 +1,66 @@
+"""What counts as surviving a push: the ground holds the gait's friction and a FRI within the sole, and no more."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from frontal_biped.analysis.push_recovery import PERIOD, PUSH_DURATION, held_walk, largest_push, time_in_step
+from frontal_biped.simulation import Disturbances, Push, SimulationSettings
+from frontal_biped.simulation.hybrid_system import EventKind
+from frontal_biped.simulation.rigid import BEYOND_SOLE
+from frontal_biped.simulation.walking import simulate
+
+EVERY_TICK = SimulationSettings(record_rate=1.0 / PERIOD)
+
+PUSHED = ("just after the impact", 0.02, "outwards")
+
+
+def shove(biped, gait, impulse, place=PUSHED[1]):
+    return Push(time_in_step(gait.step(biped), place), PUSH_DURATION, impulse)
+
+
+def of_sole(biped, run):
+    outer, inner = biped.sole
+    return np.maximum(run.p_fri / outer, run.p_fri / inner)
+
+
+def test_a_walk_whose_fri_leaves_the_sole_is_a_fall(biped, robust_gait):
+    """A foot that sticks walks on, with the FRI 5 % beyond the end of the sole."""
+    push, asked = shove(biped, robust_gait, 16.0), {"steps": 2, "simulation_settings": EVERY_TICK}
+    sticking = simulate(
+        biped, robust_gait, period=PERIOD, stabiliser="ankle", disturbances=Disturbances(pushes=(push,)), **asked
+    )
+    assert not sticking.fell
+    assert of_sole(biped, sticking).max() > 1.04
+    held = held_walk(biped, robust_gait, "ankle", push, **asked)
+    assert held.outcome == EventKind.ROLLED.value
+    assert held.event_kind[-1] == "ROLLED"
+    assert held.t[-1] == pytest.approx(sticking.t[np.argmax(of_sole(biped, sticking) > 1.0 + BEYOND_SOLE)], abs=PERIOD)
+    assert (of_sole(biped, held)[:-1] <= 1.0 + BEYOND_SOLE).all()
+
+
+def test_the_gait_itself_and_a_small_push_are_held(biped, robust_gait):
+    for pushes in ((), (shove(biped, robust_gait, 4.0),)):
+        run = held_walk(biped, robust_gait, "ankle", *pushes, steps=3, simulation_settings=EVERY_TICK)
+        assert not run.fell
+        assert of_sole(biped, run).max() <= 1.0 + BEYOND_SOLE
+
+
+def test_the_friction_is_the_gaits_own(biped, robust_gait):
+    """The same gait, had it been designed for ice."""
+    on_ice = replace(robust_gait, specification=replace(robust_gait.specification, friction=0.05))
+    assert held_walk(biped, on_ice, "ankle", steps=1).outcome == EventKind.SLIPPED.value
+
+
+@pytest.mark.slow
+def test_the_largest_push_keeps_the_fri_in_the_sole(biped, robust_gait):
+    found = largest_push(biped, robust_gait, "ankle", *PUSHED)
+    assert found.limited_by == EventKind.ROLLED.value
+    assert found.impulse < 16.0
+    run = held_walk(
+        biped, robust_gait, "ankle", shove(biped, robust_gait, found.impulse), steps=6, simulation_settings=EVERY_TICK
+    )
+    assert not run.fell
+    assert of_sole(biped, run).max() <= 1.0 + BEYOND_SOLE
+    assert np.max(np.abs(run.force[:, 0]) / run.force[:, 1]) <= 1.01 * robust_gait.specification.friction
