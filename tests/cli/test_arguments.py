@@ -7,7 +7,8 @@ import pytest
 from frontal_biped.cli.main import main, make_parser
 
 FILES = {"-o": ["design", "simulate", "walk", "export", "robots"], "--html": ["walk", "view"], "--junit": ["trial"]}
-FOLDERS = [("plot", "-o"), ("library", "-o"), ("demo", "--out"), ("trial", "--save"), ("walk", "--figures")]
+FOLDERS = [("plot", "-o"), ("library", "-o"), ("demo", "--out"), ("trial", "--save"), ("walk", "--figures"),
+           ("studio", "-o")]  # fmt: skip
 NEEDED = {"simulate": ["g.json"], "walk": ["g1"], "export": ["g.json"], "view": ["g.json"], "trial": ["s.toml"],
           "plot": ["g.json"], "library": ["s.toml"]}  # fmt: skip
 
