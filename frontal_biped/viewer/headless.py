@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import logging
 import shutil
 import tempfile
 import time
@@ -69,7 +70,7 @@ def opened_page(html: str, size: tuple[int, int]) -> Iterator[Any]:
             ) from None
         try:
             page = chromium.new_page(viewport={"width": size[0], "height": size[1]})
-            page.goto(path.as_uri())
+            page.goto(path.as_uri(), wait_until="commit")
             _wait(page, "window.page && viewer.animator.duration > 0")
             page.evaluate("page.seek(0)")
             yield page
@@ -83,6 +84,7 @@ def opened_page(html: str, size: tuple[int, int]) -> Iterator[Any]:
 @contextmanager
 def _driver(start: Any) -> Iterator[Any]:
     """Playwright's driver; a signal is served between two of its answers, never within: it would be left in pieces."""
+    logging.getLogger("asyncio").addFilter(_is_news)
     with signals_wait():
         manager = start()
         try:
@@ -93,6 +95,11 @@ def _driver(start: Any) -> Iterator[Any]:
             yield playwright
         finally:
             manager.__exit__(None, None, None)
+
+
+def _is_news(record: logging.LogRecord) -> bool:
+    """Not that the driver has gone: a signal to the whole process group ends it too, and Playwright leaves a future."""
+    return record.exc_info is None or "reading from the driver" not in str(record.exc_info[1])
 
 
 def _wait(page: Any, condition: str) -> None:
