@@ -209,6 +209,7 @@ def _headroom(ax: "Axes", share: float) -> None:
 
 
 def _around(values: FloatArray) -> tuple[float, float]:
-    low, high = float(np.min(values)), float(np.max(values))
+    known = values[np.isfinite(values)]
+    low, high = float(np.min(known)), float(np.max(known))
     margin = 0.08 * (high - low)
     return low - margin, high + margin

@@ -20,6 +20,7 @@ from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.orbit import orbit_trajectory
 from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.simulation.world import before_divergence
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -98,8 +99,9 @@ def figure_makers(biped: FrontalBiped, gait: Gait | None, run: Trajectory) -> "d
     Args:
         biped: the robot.
         gait: the gait; None: there are no energy figures.
-        run: the run.
+        run: the run; drawn until the robot diverges, if it does.
     """
+    run = before_divergence(run)
     makers: dict[str, Callable[[], Figure]] = {
         "joint_angles": lambda: joint_angles(run),
         "snapshots": lambda: snapshots(biped, run),

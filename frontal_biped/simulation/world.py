@@ -18,7 +18,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.space.standing import ANKLE, standing_configurations
 from frontal_biped.model.stance_map import Stance
-from frontal_biped.simulation.trajectory import FARTHEST, Trajectory
+from frontal_biped.simulation.trajectory import FARTHEST, SAMPLED, Trajectory
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 FEET = (Stance.LEFT, Stance.RIGHT)
@@ -176,6 +176,19 @@ def rows_before_divergence(t: FloatArray, postures: FloatArray) -> int:
     return count
 
 
+def before_divergence(trajectory: Trajectory) -> Trajectory:
+    """The samples of a run before the robot has diverged.
+
+    Raises:
+        ValueError: there is none.
+    """
+    count = rows_before_divergence(trajectory.t, np.column_stack([trajectory.q, trajectory.stance_y]))
+    if count == len(trajectory.t):
+        return trajectory
+    kept: dict[str, Any] = {name: getattr(trajectory, name)[:count] for name in SAMPLED}
+    return replace(trajectory, **kept)
+
+
 def drawable(trajectory: Trajectory) -> Trajectory:
     """The run as far as it can be drawn: up to where the robot has diverged, gaps filled.
 
@@ -185,18 +198,22 @@ def drawable(trajectory: Trajectory) -> Trajectory:
     Raises:
         ValueError: the run has no sample that can be drawn.
     """
-    count = rows_before_divergence(trajectory.t, np.column_stack([trajectory.q, trajectory.stance_y]))
-    cut: dict[str, Any] = {name: getattr(trajectory, name)[:count] for name in (*_INTERPOLATED, *_HELD, "t")}
+    run = before_divergence(trajectory)
 
     def filled(name: str, otherwise: FloatArray | float) -> FloatArray:
-        return np.where(np.isfinite(cut[name]), cut[name], otherwise)
+        values = getattr(run, name)
+        return np.where(np.isfinite(values), values, otherwise)
 
-    cut["q_b_desired"] = filled("q_b_desired", cut["q"][:, 1:])
-    cut["p_fri"] = filled("p_fri", 0.0)
-    cut["p_fri_target"] = filled("p_fri_target", cut["p_fri"])
-    for name in ("dq", "u", "force"):
-        cut[name] = filled(name, 0.0)
-    return replace(trajectory, **cut)
+    p_fri = filled("p_fri", 0.0)
+    return replace(
+        run,
+        dq=filled("dq", 0.0),
+        u=filled("u", 0.0),
+        force=filled("force", 0.0),
+        q_b_desired=filled("q_b_desired", run.q[:, 1:]),
+        p_fri=p_fri,
+        p_fri_target=filled("p_fri_target", p_fri),
+    )
 
 
 def frame_times(trajectory: Phased, fps: float) -> FloatArray:
