@@ -44,9 +44,9 @@ def found_description(stored: str, folder: Path) -> str:
     followed = folder / stored
     beside = folder / PurePosixPath(stored).name
     for path in (followed, beside):
-        if path.is_file():
+        if _is_there(path):
             return named_description(path)
-    if _is_bare(stored) and (models_dir() / stored).is_file():
+    if _is_bare(stored) and _is_there(models_dir() / stored):
         return stored
     return os.path.normpath(folder.resolve() / stored)
 
@@ -66,6 +66,13 @@ def _renamed(gait: Mapping[str, Any], rename: Callable[[str], str]) -> Mapping[s
     if not isinstance(robot, Mapping) or not isinstance(robot.get("description"), str):
         return gait
     return {**gait, "robot": {**robot, "description": rename(robot["description"])}}
+
+
+def _is_there(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # a name longer than names can be
+        return False
 
 
 def _is_bare(name: str) -> bool:

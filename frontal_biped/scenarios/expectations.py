@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from frontal_biped.files.counted import counted
 from frontal_biped.scenarios.measured import AnyRun, largest, of_every_run, of_steps
 from frontal_biped.scenarios.preparation import Prepared
 from frontal_biped.simulation.trajectory import Trajectory
@@ -74,7 +73,7 @@ def judge(prepared: Prepared, run: AnyRun, measured: Mapping[str, float]) -> tup
     expect, asked = prepared.scenario.expect, prepared.scenario.expect.steps or prepared.scenario.steps
     walked = run.steps_completed
     fate = "" if not run.fell else f", then it fell: {run.outcome}"
-    findings = [Finding("steps", walked >= asked, f"walked {walked} of {counted(asked, 'step')}{fate}", float(walked))]
+    findings = [Finding("steps", walked >= asked, f"walked {walked} of {asked} steps{fate}", float(walked))]
     for key, (label, unit) in AT_MOST.items():
         bound = getattr(expect, key)
         if bound is None:

@@ -37,7 +37,7 @@ def verdict(results: Sequence[ScenarioResult]) -> str:
     if failed:
         reached = f"FAILED: {len(failed)} of {scenarios}: " + "; ".join(_why(result) for result in failed)
     else:
-        reached = f"as expected: {scenarios}, {passed} of {counted(trials, 'trial')} passed"
+        reached = f"as expected: {scenarios}, {passed} of {trials} trials passed"
     return "\n".join([reached, f"tightest  {_tightest(results)}", f"motors    {_motors(results)}"])
 
 
@@ -145,7 +145,7 @@ def write_junit(results: Sequence[ScenarioResult], path: Path) -> None:
         if partial:
             case = ElementTree.SubElement(suite, "testcase", name="survival", classname=scenario.name)
             case.set("time", f"{result.seconds:.3f}")
-            text = f"{result.survival.passed} of {counted(result.survival.trials, 'trial')} passed"
+            text = f"{result.survival.passed} of {result.survival.trials} trials passed"
             if not result.passed:
                 failures = 1
                 message = f"{text}, expected a share of {scenario.expect.survival:g}"

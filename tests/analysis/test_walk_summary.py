@@ -37,7 +37,7 @@ def test_lines(biped, gait, walk):
     assert tightest.startswith("tightest  ") and motors.startswith("motors    torque of the ")
     fallen = replace(walk, outcome="the swing foot landed on its edge", steps_completed=1)
     head = str(walk_summary(biped, gait, fallen, 4)).splitlines()[0]
-    assert "FELL (the swing foot landed on its edge) after 1 steps of 4" in head
+    assert "FELL (the swing foot landed on its edge) after 1 step of 4" in head
     assert "ask for max_foot_rotation = 0.05" in head
 
 
