@@ -122,7 +122,7 @@ def _require_number(option: str, rate: float | None, what: str, duration: float,
         )
     if rate * duration < 1.0:
         raise FrontalBipedError(
-            f"{option} {rate:g}: a single one of the {what} of {duration:.3g} s; choose at least {1.001 / duration:.3g}"
+            f"{option} {rate:g}: a single one of the {what} of {duration:.3g} s; choose at least {1.01 / duration:.4g}"
         )
 
 

@@ -111,7 +111,9 @@ def test_soles_that_cannot_be_measured_are_asked_for(tmp_path, told, no_design):
     """Meshes are missing: the description says where to write the soles, and is used once they are there."""
     urdf = tmp_path / "robots" / "mine.urdf"
     urdf.parent.mkdir()
-    shutil.copy(load_robot("romeo").description.urdf, urdf)
+    # meshes of example-robot-data would be found from anywhere
+    text = load_robot("romeo").description.urdf.read_text(encoding="utf-8")
+    urdf.write_text(text.replace("package://example-robot-data", "package://of_nowhere"), encoding="utf-8")
     folder = tmp_path / "run"
     with pytest.raises(RobotError, match=r"mine_bent.toml: \[sole\] inner is missing.*stands at its head: settle it"):
         prepare_to_walk(urdf, folder, on_progress=told.append)
