@@ -29,6 +29,7 @@ Every key has a default; what ``[expect]`` does not name is not asked.
 
     [disturbances]                         # numbers, or what each trial draws: {from = , to = }, {within = }
     friction = {from = 0.3, to = 0.9}      # coefficient; left out: the foot sticks whatever is asked of it
+    rolls = false                          # does the foot roll over its edge, a fall, where the FRI leaves the sole?
     torque_noise = 0.01                    # relative
     encoder_noise = 0.0                    # rad
     quantisation = 0.0                     # rad, of the encoders
@@ -275,12 +276,14 @@ def _model(path: Path, table: Table) -> ModelPlan:
 
 
 def _disturbances(path: Path, table: Table, in_space: bool) -> dict[str, Any]:
-    known = (*_DISTURBANCES, "ground", "velocity_noise" if in_space else "torque_limits")
+    known = (*_DISTURBANCES, "ground", *(["velocity_noise"] if in_space else ["rolls", "torque_limits"]))
     section = Table(f"{path}: [disturbances]", table.content.get("disturbances", {}), known)
     found: dict[str, Any] = {}
     for key in section.content:
         if key == "ground":
             found[key] = section.numbers(key, None, -0.1, 0.1, "m")
+        elif key == "rolls":
+            found[key] = section.flag(key, False)
         elif key == "torque_limits":
             found[key] = section.numbers(key, 2, 1e-3, 1e5, "N m: [ankle, hip]")
         elif key != "velocity_noise":  # that one is read with what only a walk in space has

@@ -22,7 +22,7 @@ Everything that `frontal_biped.scenarios.file` lists holds in space too, but for
     inertia = {within = 0.1}
     com = {within = 0.01}                  # m, along each axis
 
-    [disturbances]                         # no torque_limits
+    [disturbances]                         # no torque_limits, no rolls: feet roll in any case
     velocity_noise = 0.02                  # rad/s, of joint rates; left out: exact, but not read behind noisy encoders
     imu_noise = 1e-3                       # rad, about each axis of the root link
     gyro_noise = 5e-3                      # rad/s, about each

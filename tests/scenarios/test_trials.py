@@ -12,8 +12,9 @@ from frontal_biped.cli import main
 from frontal_biped.control import QpController
 from frontal_biped.library import worker_processes
 from frontal_biped.scenarios import load_scenario, run_scenario, run_trials, survival
-from frontal_biped.scenarios.report import verdict
+from frontal_biped.scenarios.report import table, verdict
 from frontal_biped.simulation import load_trajectory
+from frontal_biped.simulation.hybrid_system import EventKind
 
 NOISY = """
 gait = "robust"
@@ -207,3 +208,25 @@ def test_the_verdict_says_what_failed_and_which_bound_was_nearest(write):
     assert verdict([half, half]).startswith(
         "FAILED: 2 of 2 scenarios: case, 1 of 2 trials, the first of them trial 0 of"
     )
+
+
+ROLLING = """gait = "robust"
+steps = 1
+controller = {type = "qp", stabiliser = "ankle"}
+[[push]]
+at = "2 % of the rising phase of step 1"
+impulse = 16.0
+"""
+
+
+def test_a_push_trial_tells_where_the_fri_was_and_may_let_the_foot_roll(write):
+    """A foot that sticks walks on; the table says how far the FRI was outside."""
+    stuck, rolled = (
+        run_trials([load_scenario(write(ROLLING + more))])[0] for more in ("", "[disturbances]\nrolls = true\n")
+    )
+    assert stuck.passed
+    assert stuck.least("fri_margin") < -1e-3
+    row = table([stuck]).splitlines()[2].split()
+    assert f"{1e3 * stuck.least('fri_margin'):.3g}" in row
+    assert not rolled.passed
+    assert rolled.results[0].outcome == EventKind.ROLLED.value
