@@ -110,7 +110,21 @@ Each claim, how it is held, what was measured, and the tests that hold it:
   free. viewer/test_live.py
 * Figures: width, size and overlap of all letters; 3.5 in, 8 pt, none. figures/test_figures.py
 * Every malformed input: one line, exit status, nothing written. cli/test_main.py, model/urdf/test_unsuitable_robots.py,
-  scenarios/test_malformed.py
+  model/urdf/test_malformed_urdfs.py, gait/test_malformed_gaits.py, scenarios/test_malformed.py, library/test_sweep.py,
+  files/test_toml.py, files/test_reading.py
+* Run files with every array, header entry and byte spoilt: refused in one line, or loaded as they were; odd ones
+  through every command. simulation/test_malformed_runs.py, cli/test_odd_runs.py
+* Every command on files spoilt at random and with senseless options: no traceback, one line, nothing half-written, a
+  thousand cases. cli/test_fuzz.py; as many as wanted: fuzz_campaign.py; readers by coverage: fuzz_readers.py
+* Killed at moments seen to lie inside a write: nothing half-written, nothing lost, a library resumes byte for byte.
+  cli/test_killed.py, kill_campaign.py
+* Bad surroundings, full disks, closed streams, no home: one line that names the file. cli/test_surroundings.py,
+  files/test_atomic.py
+* A library's files are of its robots and points. library/test_store.py
+* What a user's controller raises or answers: one line. scenarios/test_user_code.py
+* Foreign pages, wrong hosts, origins and secrets get nothing and change nothing, by raw requests and in Chromium.
+  viewer/test_guard.py, viewer/test_live_is_private.py, studio/test_closed_server.py, studio/test_app.py
+* Meshes outside the robot's folders, and broken ones, are refused. model/urdf/test_meshes.py
 * What examples and notebooks print: each against its docstring or its stored output, words alike, numbers within 2 %.
   test_examples.py. From an installed wheel in another folder, with every command that the README names: smoke.py
 """
