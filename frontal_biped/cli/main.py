@@ -147,7 +147,8 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and where the arguments are listed."""
-        self.exit(USAGE, f"{self.prog}: error: {message}; see `{self.prog} --help`\n")
+        told = " ".join(message.split())  # words of the command line may hold line breaks
+        self.exit(USAGE, f"{self.prog}: error: {told}; see `{self.prog} --help`\n")
 
 
 class _Version(argparse.Action):

@@ -458,6 +458,8 @@ class TestBadFiles:
             ["simulate", "g.json", "--rate", "nan"],
             ["dance"],
             ["design", "--nope"],
+            ["design", "a\nb"],
+            ["dance\nslowly"],
         ],
     )
     def test_usage_errors(self, arguments, capsys):
