@@ -464,7 +464,7 @@ class TestBadFiles:
     )
     def test_usage_errors(self, arguments, capsys):
         assert main(arguments) == 2
-        assert "error" in capsys.readouterr().err
+        assert "error" in one_line(capsys)
 
     def test_debug_shows_the_traceback(self):
         from frontal_biped.exceptions import GaitFileError
