@@ -177,7 +177,7 @@ def spoil_json(content: bytes, rng: random.Random, free: tuple[str, ...] = ()) -
 
 
 def _spoil_json_text(text: str, rng: random.Random) -> Spoilt:
-    numbers = list(re.finditer(r"-?\d+\.\d+", text))
+    numbers = list(re.finditer(r"(?m)(?<= )-?\d+\.\d+(?=,?$)", text))  # values, not parts of texts
     kind = rng.choice(("digits", "twice", "comment", "deep", "constant", "surrogate"))
     spot = rng.choice(numbers)
     before, after = text[: spot.start()], text[spot.end() :]
