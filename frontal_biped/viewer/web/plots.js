@@ -1,6 +1,7 @@
 // Plots that follow the animation. Drag in one, and the robot follows the plot.
 
 const LEAST_SHADE = 3; // [px] of a phase whose background is told
+const CROWDED = 4; // samples to a column of pixels from which on a curve is drawn column by column
 const MARGIN = { left: 52, right: 10, top: 6, bottom: 32 };
 const GLYPHS = [
   (x, y) => `M${x - 3.4},${y}a3.4,3.4 0 1,0 6.8,0a3.4,3.4 0 1,0 -6.8,0Z`,
@@ -283,7 +284,9 @@ class Plot {
 
   // No line bridges an event; points that would fall on the one before are left out. `wants` chooses phases.
   path(data, name, wants = () => true) {
-    const pieces = [];
+    const inside = indexAt(data.t, this.span[1]) - indexAt(data.t, this.span[0]);
+    if (this.overTime && inside > CROWDED * (this.x(this.span[1]) - this.x(this.span[0]))) return this.columns(data, name);
+    const pieces = [], drawn = new Set();
     let px = NaN, py = NaN, phase = -1, fresh = true;
     for (let i = 0; i < data.count; i++) {
       const begins = data.breaks.has(i);
@@ -292,10 +295,28 @@ class Plot {
       const x = this.x(data[this.panel.x][i]), y = this.y(data[name][i]);
       const start = fresh || begins, end = i + 1 === data.count || data.breaks.has(i + 1);
       if (!start && !end && Math.abs(x - px) < 0.7 && Math.abs(y - py) < 0.7) continue;
-      pieces.push((start ? "M" : "L") + x + "," + y);
+      // a walk goes over the same lines of the plane again and again
+      const line = start ? "" : [px, py, x, y].map(Math.round).join(" ");
+      if (!start && !this.overTime && drawn.has(line)) pieces.push("M" + x + "," + y);
+      else pieces.push((start ? "M" : "L") + x + "," + y);
+      drawn.add(line);
       [px, py, fresh] = [x, y, false];
     }
-    return pieces.join("");
+    return pieces.join("").replace(/(M[^ML]*)+(?=M)/g, "");
+  }
+
+  // Of more samples than the picture has columns: in each what comes first, the extremes, what comes last.
+  columns(data, name) {
+    const pieces = [], last = indexAt(data.t, this.span[1]);
+    let column = NaN, own = [];
+    const put = () => own.length && pieces.push(...[own[0], Math.min(...own), Math.max(...own), own.at(-1)].map((y) => column + "," + y));
+    for (let i = indexAt(data.t, this.span[0]); i <= last; i++) {
+      const x = Math.round(this.x(data[this.panel.x][i]));
+      if (x !== column) { put(); [column, own] = [x, []]; }
+      own.push(this.y(data[name][i]));
+    }
+    put();
+    return "M" + pieces.join("L");
   }
 
   // In the plane: rising phases drawn through, falling ones dashed.
