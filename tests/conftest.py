@@ -125,6 +125,8 @@ Each claim, how it is held, what was measured, and the tests that hold it:
 * Foreign pages, wrong hosts, origins and secrets get nothing and change nothing, by raw requests and in Chromium.
   viewer/test_guard.py, viewer/test_live_is_private.py, studio/test_closed_server.py, studio/test_app.py
 * Meshes outside the robot's folders, and broken ones, are refused. model/urdf/test_meshes.py
+* Searches for pushes let the foot slip and roll. analysis/test_push_recovery.py. A long walk costs its samples; a page
+  of 1000 steps is small, and as fast as one of four within a factor. simulation/test_rows.py, viewer/test_long_pages.py
 * What examples and notebooks print: each against its docstring or its stored output, words alike, numbers within 2 %.
   test_examples.py. From an installed wheel in another folder, with every command that the README names: smoke.py
 """
