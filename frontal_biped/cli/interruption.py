@@ -8,8 +8,7 @@ from collections.abc import Iterator
 from types import FrameType
 
 from frontal_biped.exceptions import Interruption
-
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+from frontal_biped.files.signals import SIGNALS
 
 ECHO = 1.0
 """A signal within this time of the first leaves the unwinding alone [s]; a later one interrupts that as well."""

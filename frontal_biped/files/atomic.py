@@ -3,7 +3,6 @@
 import contextlib
 import errno
 import json
-import math
 import os
 import secrets
 import shutil
@@ -13,6 +12,8 @@ import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
+
+from frontal_biped.files.json_values import for_json
 
 READER_PATIENCE = 10.0
 """How long a named pipe waits for somebody who reads it [s]."""
@@ -137,14 +138,4 @@ def write_text(target: Path, text: str) -> None:
 
 def write_json(target: Path, content: Mapping[str, Any]) -> None:
     """Write a JSON file, atomically; numbers that are not finite become null, which JSON can say."""
-    write_text(target, json.dumps(_finite(content), indent=1, allow_nan=False) + "\n")
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, Mapping):
-        return {key: _finite(part) for key, part in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(part) for part in value]
-    return value
+    write_text(target, json.dumps(for_json(content), indent=1, allow_nan=False) + "\n")

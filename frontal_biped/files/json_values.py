@@ -1,13 +1,14 @@
 """What reports hold, as JSON has it."""
 
 import math
+from collections.abc import Mapping
 from enum import Enum
 from typing import Any
 
 
 def for_json(value: Any) -> Any:
     """Numbers that do not exist (nan, infinite) become null, members of enums their values, tuples lists."""
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         return {key: for_json(part) for key, part in value.items()}
     if isinstance(value, list | tuple):
         return [for_json(part) for part in value]

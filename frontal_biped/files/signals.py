@@ -1,4 +1,4 @@
-"""Signals that must not break into a conversation with another process: they wait for a pause in it."""
+"""Signals that ask for the end; in a conversation with another process they wait for a pause in it."""
 
 import contextlib
 import signal
@@ -7,6 +7,9 @@ import time
 from collections.abc import Callable, Iterator
 from types import FrameType
 from typing import Any
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+"""What asks a process to end: Ctrl+C, a system that shuts down, a terminal that is closed."""
 
 LONGEST_WAIT = 2.0
 """A signal this long after one that waits breaks in after all [s]: the other process may not answer any more."""
@@ -21,7 +24,7 @@ def signals_wait() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():  # which alone handles signals
         yield
         return
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    handlers = {number: signal.getsignal(number) for number in SIGNALS}
     handlers = {number: handler for number, handler in handlers.items() if callable(handler)}
     first: float | None = None
 

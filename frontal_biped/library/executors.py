@@ -15,14 +15,13 @@ from typing import ParamSpec, TypeVar
 
 from frontal_biped.exceptions import Interruption, LibraryError
 from frontal_biped.files.extras import missing_extra
+from frontal_biped.files.signals import SIGNALS
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
 PATIENCE = 5.0
 """How long a worker that is told to stop may take for it before it is killed [s]."""
-
-_ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def worker_processes(count: int) -> ProcessPoolExecutor:
@@ -38,7 +37,7 @@ class _WorkerProcesses(ProcessPoolExecutor):
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         # A process that is started here inherits the mask: what a terminal sends to all of them is for the parent, also
         # while a worker is still importing.
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, _ENDINGS)
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
         try:
             return super().submit(_work, fn, args, kwargs)
         finally:
@@ -72,7 +71,7 @@ def _begin() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _stop)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDINGS)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
 
 
 def _stop(number: int, _: FrameType | None) -> None:

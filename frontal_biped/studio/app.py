@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from frontal_biped.files.extras import missing_extra
+from frontal_biped.files.signals import SIGNALS
 from frontal_biped.studio.workbench import State, Workbench
 from frontal_biped.viewer.guard import Guard
 from frontal_biped.viewer.ports import HOST, listening_socket
@@ -112,8 +113,7 @@ def run_studio(robot: str, port: int = 0, open_browser: bool = True, folder: Pat
 def _ending() -> Iterator[threading.Event]:
     """An event that Ctrl+C, SIGTERM and SIGHUP set, so that the way out is one and the same."""
     ended = threading.Event()
-    signals = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-    before = {number: signal.signal(number, lambda *_: ended.set()) for number in signals}
+    before = {number: signal.signal(number, lambda *_: ended.set()) for number in SIGNALS}
     try:
         yield ended
     finally:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.viewer.page_data import page_data
-from frontal_biped.viewer.scene import Actor, animate, cast, draw_scene
+from frontal_biped.viewer.scene import Actor, cast, draw_scene
 from frontal_biped.viewer.tracks import start_clock
 
 
@@ -60,17 +60,6 @@ def recording() -> tuple[SceneRecorder, Any]:
 
     recorder = SceneRecorder()
     return recorder, meshcat.Visualizer(window=recorder)
-
-
-def recorded_scene(actors: Sequence[Actor], fps: float = 30.0) -> SceneRecorder:
-    """Scene and MeshCat's own animation of the robots of `cast`, in memory."""
-    import meshcat
-
-    recorder = SceneRecorder()
-    visualizer = meshcat.Visualizer(window=recorder)
-    draw_scene(visualizer, actors)
-    animate(visualizer, actors, fps)
-    return recorder
 
 
 class Show(NamedTuple):

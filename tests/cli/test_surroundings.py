@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from ordinary_user import as_ordinary_user
 
 DATA = Path(__file__).parents[1] / "data"
 PROGRAM = [sys.executable, "-m", "frontal_biped"]
@@ -109,21 +110,14 @@ def test_full_disk(here, small_disk):
 def test_folder_that_may_not_be_written(here):
     (here / "locked").mkdir(mode=0o555)
     (here / "sweep.toml").write_text("[sweep]\nfriction = [0.5]\n")
-    if os.getuid() == 0:  # nothing is forbidden to root, unless it gives that up
-        if not shutil.which("setpriv"):
-            pytest.skip("root cannot be made an ordinary user here")
-        ordinary = "exec setpriv --bounding-set=-all --inh-caps=-all "
-    else:
-        ordinary = ""
     for line in (
         "export gait.json -o locked/out.csv",
         "library sweep.toml -o locked/gaits",
         "plot gait.json -o locked/figures",
         "simulate gait.json -o locked/run.npz",
     ):
-        command = f"{ordinary}{shlex.join(PROGRAM)} {line}"
         done = subprocess.run(
-            ["bash", "-c", command],
+            [*as_ordinary_user(), *PROGRAM, *line.split()],
             cwd=here,
             env={**os.environ, "PYTHONPATH": str(ROOT)},
             capture_output=True,

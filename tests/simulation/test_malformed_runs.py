@@ -9,6 +9,8 @@ import json
 import os
 import random
 import struct
+import subprocess
+import sys
 import time
 import tracemalloc
 import warnings
@@ -17,6 +19,7 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
+from ordinary_user import as_ordinary_user
 from small_runs import planar_run, spatial_run
 
 from frontal_biped.exceptions import TrajectoryFileError
@@ -406,10 +409,20 @@ class TestArchives:
                 file.load(tmp_path / name)
             assert archive_format(tmp_path / name) == "" and named_kind(tmp_path / name) is None
 
-    @pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")
     def test_unreadable(self, file):
         file.path.chmod(0)
-        file.refuse("Permission denied")
+        code = f"""
+import sys
+from frontal_biped.exceptions import TrajectoryFileError
+from frontal_biped.simulation import {file.load.__name__} as load
+try:
+    load(sys.argv[1])
+except TrajectoryFileError as error:
+    print(error)
+"""
+        command = [*as_ordinary_user(), sys.executable, "-c", code, str(file.path)]
+        told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        assert told.startswith(f"{file.path}: ") and "Permission denied" in told and told.count("\n") == 1
 
 
 class TestSizes:

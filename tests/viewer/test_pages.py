@@ -22,10 +22,10 @@ from frontal_biped.simulation.world import drawable, phase_spans, sole_ends, wor
 from frontal_biped.viewer import animation_page
 from frontal_biped.viewer.channels import MOST_FRAMES
 from frontal_biped.viewer.markers import ribbon, swing_traces
-from frontal_biped.viewer.page import SceneRecorder, recorded_scene
+from frontal_biped.viewer.page import SceneRecorder, recording
 from frontal_biped.viewer.page_data import MOST_SAMPLES, PANELS, page_data, samples, told_source
 from frontal_biped.viewer.robot_shapes import visual_model
-from frontal_biped.viewer.scene import cast
+from frontal_biped.viewer.scene import animate, cast, draw_scene
 
 FPS = 30.0
 
@@ -42,6 +42,14 @@ def page(biped, orbit):
 def commands(page):
     texts = json.loads(re.search(r"^const commands = (\[.*\]);$", page, re.MULTILINE).group(1))
     return [umsgpack.unpackb(base64.b64decode(text)) for text in texts]
+
+
+def recorded_scene(actors):
+    """Scene and MeshCat's own animation of it, as the studio tells an open page."""
+    recorder, visualizer = recording()
+    draw_scene(visualizer, actors)
+    animate(visualizer, actors)
+    return recorder
 
 
 def animation_of(commands):

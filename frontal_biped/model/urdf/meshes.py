@@ -83,13 +83,12 @@ def with_found_meshes(urdf: Path, urdf_text: str, kind: str) -> str:
 
 
 # ------------------------------------------------------------------------ where
-class _Links(Enum):
-    """Of a folder that the environment names: it is the robot's, and so is what its links lead to."""
+class _Claim(Enum):
+    """What a folder in which a mesh is looked for adds to the robot's own ones."""
 
-    TOO = "too"
-
-
-_LINKS_TOO = _Links.TOO
+    NOTHING = "nothing"
+    ITSELF = "itself"
+    LINKS_TOO = "itself, and whatever links in it lead to"
 
 
 class _Places:
@@ -120,15 +119,19 @@ class _Places:
             RobotError: there is none, or none in the robot's folders.
         """
         outside = False
-        for base, inside, counts in self._candidates(name):
+        for base, inside, claim in self._candidates(name):
             path = Path(os.path.normpath(base / inside))
             if not os.path.lexists(path):
                 continue
             real = Path(os.path.realpath(path))
-            homes = [*self.own, *([self._installed] if self._installed else []), *([base] if counts else [])]
+            homes = [
+                *self.own,
+                *([self._installed] if self._installed else []),
+                *([base] if claim is not _Claim.NOTHING else []),
+            ]
             if any(real.is_relative_to(os.path.realpath(home)) for home in homes):
                 return real
-            if counts is _LINKS_TOO and path.is_relative_to(base):
+            if claim is _Claim.LINKS_TOO and path.is_relative_to(base):
                 return real
             outside = True
         if outside or self._is_elsewhere(name):
@@ -142,34 +145,34 @@ class _Places:
             " ROS_PACKAGE_PATH (its prefix into AMENT_PREFIX_PATH)"
         )
 
-    def _candidates(self, name: str) -> Iterator[tuple[Path, str, "bool | _Links"]]:
-        """Folders, the path below each, and whether the folder is one of the robot's, beside its own."""
+    def _candidates(self, name: str) -> Iterator[tuple[Path, str, _Claim]]:
+        """Folders, the path below each, and what the folder adds."""
         scheme, colon, inside = name.partition("://")
         if not colon or scheme == "file":
-            yield from ((folder, inside if colon else name, False) for folder in self.own)
+            yield from ((folder, inside if colon else name, _Claim.NOTHING) for folder in self.own)
         elif f"{scheme}://" == PACKAGE:
             package, _, below = inside.lstrip("/").partition("/")
-            for folder, counts in self._packages(package):
-                yield folder, below, counts
+            for folder, claim in self._packages(package):
+                yield folder, below, claim
             for without in (f"{package}/{below}", below):
-                yield from ((folder, without, False) for folder in self.own)
+                yield from ((folder, without, _Claim.NOTHING) for folder in self.own)
 
-    def _packages(self, package: str) -> Iterator[tuple[Path, "bool | _Links"]]:
+    def _packages(self, package: str) -> Iterator[tuple[Path, _Claim]]:
         if package in ("", ".", ".."):
             return
         for height, folder in enumerate(self._above):
             if folder.name == package:
                 named = height <= FARTHEST_NAMED or (folder / "package.xml").is_file()
-                yield folder, named and _is_robots(folder)
+                yield folder, _claimed(named and _is_robots(folder))
             beside = folder / package
             if (beside / "package.xml").is_file():
-                yield beside, _is_robots(beside)
+                yield beside, _claimed(_is_robots(beside))
         for variable, share in (("ROS_PACKAGE_PATH", ""), ("AMENT_PREFIX_PATH", "share")):
             for entry in os.environ.get(variable, "").split(os.pathsep):
                 if entry:
-                    yield Path(entry).absolute() / share / package, _LINKS_TOO
+                    yield Path(entry).absolute() / share / package, _Claim.LINKS_TOO
         if package == EXAMPLE_ROBOT_DATA and self._installed is not None:
-            yield self._installed, True
+            yield self._installed, _Claim.ITSELF
 
     def _is_elsewhere(self, name: str) -> bool:
         """Does a name, as it is written, lead out of the robot's folders?"""
@@ -178,6 +181,10 @@ class _Places:
             return True
         path = Path(os.path.normpath(self._above[0] / (inside if colon else name)))
         return f"{scheme}://" != PACKAGE and not any(path.is_relative_to(folder) for folder in self.own)
+
+
+def _claimed(itself: bool) -> _Claim:
+    return _Claim.ITSELF if itself else _Claim.NOTHING
 
 
 def _is_robots(folder: Path) -> bool:

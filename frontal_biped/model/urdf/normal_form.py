@@ -85,22 +85,13 @@ def _blanks_dropped(root: ElementTree.Element) -> bool:
 
 def _names_printable(root: ElementTree.Element) -> bool:
     changed = False
-    for kind, references in (("link", {"parent": "link", "child": "link"}), ("joint", {"mimic": "joint"})):
-        parts = root.findall(kind)
-        taken = {part.get("name", "") for part in parts}
-        renamed: dict[str, str] = {}
-        for name in sorted(name for name in taken if not name.isprintable()):
-            new = "".join(letter if letter.isprintable() else "_" for letter in name)
-            while new in taken:
-                new += "_"
-            taken.add(new)
-            renamed[name] = new
-        for part in parts if renamed else ():
-            part.set("name", renamed.get(part.get("name", ""), part.get("name", "")))
-        for joint in root.findall("joint") if renamed else ():
-            for tag, key in references.items():
-                for element in joint.findall(tag):
-                    element.set(key, renamed.get(element.get(key, ""), element.get(key, "")))
+    for kind in ("link", "joint"):
+        taken = _names(root, kind)
+        renamed = {
+            name: _free("".join(letter if letter.isprintable() else "_" for letter in name), taken)
+            for name in sorted(name for name in taken if not name.isprintable())
+        }
+        _rename(root, kind, renamed)
         changed = changed or bool(renamed)
     return changed
 
@@ -128,33 +119,47 @@ def _turns_bounded(root: ElementTree.Element) -> bool:
 
 
 def _fixed_joints_renamed(root: ElementTree.Element) -> bool:
-    joints = root.findall("joint")
-    taken = {joint.get("name", "") for joint in joints}
-    renamed = [joint for joint in joints if joint.get("type") == "fixed" and joint.get("name") in _OF_PINOCCHIO]
-    for joint in renamed:
-        new = f"{joint.get('name')}_"
-        while new in taken:
-            new += "_"
-        joint.set("name", new)
+    fixed = {joint.get("name", "") for joint in root.findall("joint") if joint.get("type") == "fixed"}
+    taken = _names(root, "joint")
+    renamed = {name: _free(f"{name}_", taken) for name in _OF_PINOCCHIO if name in fixed}
+    _rename(root, "joint", renamed)
     return bool(renamed)
 
 
 def _links_renamed(root: ElementTree.Element) -> bool:
-    joints = {joint.get("name", "") for joint in root.findall("joint")}
-    links = {link.get("name", "") for link in root.findall("link")}
-    renamed = {}
-    for name in sorted((joints | {"world", *_OF_PINOCCHIO}) & links):
-        new = f"{name}_link"
-        while new in links | joints:
-            new += "_"
-        links.add(new)
-        renamed[name] = new
-    for link in root.findall("link"):
-        link.set("name", renamed.get(link.get("name", ""), link.get("name", "")))
-    for joint in root.findall("joint"):
-        for end in _ends(joint, ("parent", "child")):
-            end.set("link", renamed.get(end.get("link", ""), end.get("link", "")))
+    joints, links = _names(root, "joint"), _names(root, "link")
+    taken = joints | links
+    renamed = {name: _free(f"{name}_link", taken) for name in sorted((joints | {"world", *_OF_PINOCCHIO}) & links)}
+    _rename(root, "link", renamed)
     return bool(renamed)
+
+
+_REFERENCES = {"link": {"parent": "link", "child": "link"}, "joint": {"mimic": "joint"}}
+"""Where joints name links, and one another: element and attribute."""
+
+
+def _names(root: ElementTree.Element, kind: str) -> set[str]:
+    return {part.get("name", "") for part in root.findall(kind)}
+
+
+def _free(name: str, taken: set[str]) -> str:
+    """The name, with as many _ as nobody has it; it is taken then."""
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name
+
+
+def _rename(root: ElementTree.Element, kind: str, renamed: dict[str, str]) -> None:
+    """Give links or joints other names, wherever they are named."""
+    if not renamed:
+        return
+    places = [(part, "name") for part in root.findall(kind)]
+    for joint in root.findall("joint"):
+        places += [(element, key) for tag, key in _REFERENCES[kind].items() for element in joint.findall(tag)]
+    for element, key in places:
+        if (new := renamed.get(element.get(key, ""))) is not None:
+            element.set(key, new)
 
 
 def _ends(joint: ElementTree.Element, ends: Iterable[str]) -> list[ElementTree.Element]:
