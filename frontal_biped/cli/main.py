@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import shlex
 import signal
 import sys
 from collections.abc import Mapping, Sequence
@@ -74,7 +75,7 @@ def _run(words: Sequence[str]) -> int:
     except FORESEEN as error:
         if debug:
             raise
-        return _complain(told(error))
+        return _complain(told(error, asked=shlex.join(words)))
 
 
 def _status(words: Sequence[str]) -> int:

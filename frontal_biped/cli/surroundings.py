@@ -85,12 +85,19 @@ def silence() -> None:
                 os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
-def told(error: BaseException) -> str:
-    """One of the `FORESEEN` errors in one line, with a remedy."""
+def told(error: BaseException, asked: str = "") -> str:
+    """One of the `FORESEEN` errors in one line, with a remedy.
+
+    Args:
+        error: the error.
+        asked: what was being done, for an error that knows no file.
+    """
     if isinstance(error, OSError):
         return _told_by_system(error)
     if isinstance(error, MemoryError):
-        return f"{_said(error, 'the memory is used up')}; free some, allow more, see `ulimit -v`, or ask for less"
+        used_up = _said(error, "the memory is used up")
+        place = f"{asked}: " if asked else ""
+        return f"{place}{used_up}; free some, allow more, see `ulimit -v`, or ask for less"
     if isinstance(error, RecursionError):
         return f"{_said(error, 'nested too deep')}; name a file that is nested less deep"
     return f"{_said(error, 'a package cannot be loaded')}; install frontal-biped again, or allow it more memory"

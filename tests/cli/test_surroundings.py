@@ -213,3 +213,40 @@ class TestErrorsOfThisProcess:
         assert err == (
             "frontal-biped design: error: unrecognized arguments: --nope more; see `frontal-biped design --help`\n"
         )
+
+
+LITTLE_MEMORY = """
+import resource, sys, numpy, scipy.linalg, frontal_biped.cli, fuzz_campaign
+fuzz_campaign.import_everything()
+for linalg in (numpy.linalg, scipy.linalg):
+    linalg.solve(numpy.eye(300), numpy.eye(300)) @ numpy.eye(300)
+used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + int(sys.argv[1]) * 1_000_000,) * 2)
+sys.exit(frontal_biped.cli.main(sys.argv[2:]))
+"""
+"""A command that may take some megabytes more than what its libraries take once they are loaded and have worked. With
+less, the libraries end the process themselves ("OpenBLAS error: Memory allocation still failed"), or try for ever."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("line", ["export gait.json -o out.csv --rate 200000", "view gait.json --html out.html"])
+def test_too_little_memory(line, here):
+    """Whatever is left, a command ends well or says what it was about; it leaves nothing half-written."""
+    outcomes = set()
+    for megabytes in (2, 32, 2048):
+        done = subprocess.run(
+            [sys.executable, "-c", LITTLE_MEMORY, str(megabytes), *line.split()],
+            cwd=here,
+            env={**os.environ, "PYTHONPATH": f"{ROOT}:{ROOT / 'tests'}", "OPENBLAS_NUM_THREADS": "1"},
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+        outcomes.add(done.returncode)
+        if done.returncode:
+            refused(done, "gait.json", "out.", "ulimit -v")
+            assert {path.name for path in here.iterdir()} == {"gait.json"}
+        else:
+            (here / line.split()[line.split().index("-o" if "-o" in line else "--html") + 1]).unlink()
+    assert outcomes == {0, 2}
