@@ -20,7 +20,7 @@ from frontal_biped.zero_dynamics.orbit import resample
 def speed_errors(biped: FrontalBiped, gait: Gait, run: Trajectory) -> FloatArray:
     """(n,) speed half-way down each falling phase, relative to the closed form, minus one [-].
 
-    Steps that do not get there are left out.
+    Steps that do not get there are left out; all of them where the gait's falling phase has no orbit.
 
     Args:
         biped: the robot.
@@ -30,6 +30,8 @@ def speed_errors(biped: FrontalBiped, gait: Gait, run: Trajectory) -> FloatArray
     step = gait.step(biped)
     orbit = resample(biped, gait.falling, step.falling, np.linspace(0.0, 1.0, POINTS))
     x, dx = _sway(biped, orbit.motion.q, orbit.motion.dq * orbit.dbeta[:, None])
+    if not np.isfinite(dx).all():
+        return np.empty(0)
     over_sway = bool((np.diff(x) > 0.0).all())
     if over_sway:
         middle = 0.5 * float(x[0] + x[-1])

@@ -36,3 +36,12 @@ def test_steps_that_begin_beyond_half_way_are_left_out(biped, reference_gait):
         keep = ~late | (np.arange(len(run.t)) > end - kept)
         cut = replace(run, **{name: getattr(run, name)[keep] for name in ("t", "q", "dq", "phase", "step")})
         assert len(speed_errors(biped, reference_gait, cut)) == 1
+
+
+def test_a_gait_without_an_orbit_has_no_speed_to_compare_with(biped, reference_gait):
+    """A file may hold one: here the stance hip falls from somewhere else than where it rose to."""
+    run = simulate(biped, reference_gait, steps=1, period=None)
+    columns = reference_gait.falling.joint_bezier.copy()
+    columns[0, 0] = 0.0
+    spoilt = replace(reference_gait, falling=replace(reference_gait.falling, joint_bezier=columns))
+    assert len(speed_errors(biped, spoilt, run)) == 0
