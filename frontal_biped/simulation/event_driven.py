@@ -19,7 +19,7 @@ from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
 from frontal_biped.simulation.hybrid_system import Guard
-from frontal_biped.simulation.loop import PHASE_TIME_LIMIT, TIMED_OUT, Steps, run_sampled
+from frontal_biped.simulation.loop import PHASE_TIME_LIMIT, TIMED_OUT, TOO_STIFF, Steps, run_sampled
 from frontal_biped.simulation.motors import Motors
 from frontal_biped.simulation.pushes import PushForces
 from frontal_biped.simulation.recorder import Recorder
@@ -27,6 +27,9 @@ from frontal_biped.simulation.rigid import RigidEngine
 from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.simulation.state_fed import StateFed, Told
 from frontal_biped.simulation.trajectory import Trajectory
+
+MOST_EVALUATIONS = 8_000
+"""Of the controller in one continuous phase: a phase of a walk takes about a thousand, one that falls up to 4000."""
 
 
 def simulate_walk(
@@ -90,11 +93,21 @@ def _run_continuously(told: Told, settings: SimulationSettings) -> str:
         segment = told.segment(t)
         biped, phase = engine.motion.biped, engine.phase
 
-        def derivative(_: float, x: FloatArray) -> FloatArray:
+        asked, given_up = 0, np.inf
+
+        def derivative(time: float, x: FloatArray) -> FloatArray:
+            nonlocal asked, given_up
+            asked += 1
+            if asked > MOST_EVALUATIONS:
+                given_up = min(given_up, time)
             q, dq = x[:n], x[n:]
             u = controller.command(phase, q, dq).u  # noqa: B023, the phase of this segment
             return np.concatenate([dq, biped.forward_dynamics(q, dq, u)])  # noqa: B023
 
+        def patience(time: float, _: FloatArray) -> float:
+            return given_up - time  # noqa: B023
+
+        patience.terminal = True  # type: ignore[attr-defined]
         solution = solve_ivp(
             derivative,
             (t, t + PHASE_TIME_LIMIT),
@@ -102,10 +115,11 @@ def _run_continuously(told: Told, settings: SimulationSettings) -> str:
             method="DOP853",
             rtol=settings.rtol,
             atol=settings.atol,
-            events=[_as_event(guard) for guard in engine.guards],
+            events=[*(_as_event(guard) for guard in engine.guards), patience],
             dense_output=True,
         )
         assert solution.sol is not None  # dense_output=True
+        assert solution.t_events is not None  # there are events
         end = float(solution.t[-1])
         count = max(2, int(np.ceil((end - t) * settings.record_rate)) + 1)
         times = np.linspace(t, end, count)
@@ -115,7 +129,10 @@ def _run_continuously(told: Told, settings: SimulationSettings) -> str:
         told.record(segment)
         if solution.status != 1:
             return TIMED_OUT
-        hits = zip(engine.guards, solution.t_events or [], strict=True)
+        *found, gave_up = solution.t_events
+        if len(gave_up):
+            return TOO_STIFF
+        hits = zip(engine.guards, found, strict=True)
         kind, t = next(guard.kind for guard, times in hits if len(times)), end
         engine.state = segment.states[-1]
         outcome = told.passed(t, kind, engine.cross(kind), engine.state)

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.simulation.hybrid_system import EventKind
-from frontal_biped.simulation.loop import TIMED_OUT
+from frontal_biped.simulation.loop import TIMED_OUT, TOO_STIFF
 
 OFF_SPEED = "the robot walks, but not as fast as the gait"
 """Outcome of a walk without a fall whose speed half-way down or step time is too far from the closed form."""
@@ -132,6 +132,7 @@ GOVERNING: Mapping[str, tuple[Stages, ...]] = {
     EventKind.ROLLED.value: (_inside, _level, _longer, _clearance),
     EventKind.COLLAPSED.value: (_inside, _longer, _level, _clearance),
     TIMED_OUT: (_inside, _longer, _level, _clearance),
+    TOO_STIFF: EVERYTHING,
     OFF_SPEED: (_inside, _longer, _level, _clearance),
 }
 """What governs a failure."""

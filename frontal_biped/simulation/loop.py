@@ -24,6 +24,8 @@ PHASE_TIME_LIMIT = 5.0
 
 TIMED_OUT = f"a phase lasted longer than {PHASE_TIME_LIMIT:g} s"
 
+TOO_STIFF = "torques at their limits made the motion too stiff to follow in continuous time"
+
 
 class Decision(NamedTuple):
     """What a pilot wants for a control period.

@@ -5,8 +5,9 @@ import pytest
 from scipy.optimize import brentq
 
 from frontal_biped.model import State
-from frontal_biped.simulation import SimulationSettings, simulate_walk
+from frontal_biped.simulation import SimulationSettings, event_driven, simulate_walk
 from frontal_biped.simulation.hybrid_system import FLAT_LANDING, GRAZE, LEAVING, EventKind, land, walking_guards
+from frontal_biped.simulation.loop import TOO_STIFF
 from frontal_biped.virtual_constraints import double_support_pose
 
 EVENT_TIME = 1e-8  # [s] Runge-Kutta at 1 ms against DOP853 at rtol 1e-9
@@ -107,3 +108,19 @@ def test_a_foot_that_lands_at_an_angle(biped):
     # the leg keeps its absolute direction: the tilt is taken out of the new stance ankle
     assert settled.q_plus[0] == pytest.approx(pose[3])
     assert land(biped, pose + np.array([0.0, 0.0, 0.0, 1.5 * FLAT_LANDING]), dq) is None
+
+
+def test_torques_that_no_integrator_can_follow_end_the_walk(biped, reference_gait, monkeypatch):
+    """They change sign within nanoradians: without an end to it the steps become as short as that, for hours."""
+    monkeypatch.setattr(event_driven, "MOST_EVALUATIONS", 2000)
+    q, dq = reference_gait.state_after_impact()
+
+    class Chatter(ConstantTorque):
+        def command(self, phase, q, dq):
+            self.u = biped.G(q) + 40.0 * np.sign(np.sin(1e9 * q))
+            return self
+
+    run = walk(biped, Chatter(np.zeros(4)), q, dq)
+    assert run.outcome == TOO_STIFF
+    assert 0.0 < run.t[-1] < 0.1
+    assert np.isfinite(run.q).all()

@@ -6,9 +6,9 @@ from frontal_biped.design.tightening import tightenings
 from frontal_biped.gait import GaitSpecification
 from frontal_biped.simulation.falls import GOVERNING, Remedy, fall_remedy, remedies
 from frontal_biped.simulation.hybrid_system import EventKind
-from frontal_biped.simulation.loop import TIMED_OUT
+from frontal_biped.simulation.loop import TIMED_OUT, TOO_STIFF
 
-FALLS = {kind.value for kind in EventKind} - {"reversal", "impact"} | {TIMED_OUT}
+FALLS = {kind.value for kind in EventKind} - {"reversal", "impact"} | {TIMED_OUT, TOO_STIFF}
 
 
 @pytest.mark.parametrize("outcome", sorted(FALLS))
