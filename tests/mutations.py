@@ -134,7 +134,10 @@ def spoil_table(table: Any, rng: random.Random, free: tuple[str, ...] = ()) -> t
             return table, f"{where} = {parent[key]!r:.40}", is_number and not is_free and parent[key] is not None
         case "strange":
             parent[key] = rng.choice(STRANGE_NUMBERS)
-            return table, f"{where} = {parent[key]!r:.40}", isinstance(value, str | list | dict) and not is_free
+            # a range of a scenario may be a number as well
+            is_range = isinstance(value, dict) and value.keys() <= {"within", "from", "to"}
+            is_other = isinstance(value, str | list | dict) and not is_range
+            return table, f"{where} = {parent[key]!r:.40}", is_other and not is_free
         case "text":
             parent[key] = rng.choice(STRANGE_TEXTS)
             return table, f"{where} = {parent[key]!r:.40}", isinstance(value, float | list) and not is_free
