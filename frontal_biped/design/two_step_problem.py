@@ -97,7 +97,7 @@ class TwoStepProblem:
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Lower and upper bounds (2 P - 1,) of the variables; of each step those of `DesignProblem`."""
         low, high = (np.concatenate([bound, np.delete(bound, STEP_WIDTH)]) for bound in self.step.bounds())
-        high[STEP_WIDTH] -= self.travel
+        high[STEP_WIDTH] = max(high[STEP_WIDTH] - self.travel, low[STEP_WIDTH])  # but for rounding
         return low, high
 
     def start(self) -> FloatArray:

@@ -154,7 +154,7 @@ class GaitSpecification:
             object.__setattr__(self, "cop_margin_x", margin)
         if self.travel is not None:
             travel, (narrowest, widest) = finite_number("travel", self.travel, SpecificationError), self.step_width
-            if not 0.0 <= travel <= widest - narrowest:
+            if not 0.0 <= travel <= widest - narrowest + _ROUNDING:
                 raise SpecificationError(
                     f"travel = {travel:g} m in two steps is not in [0, {widest - narrowest:g}], the room that"
                     f" step_width = {list(self.step_width)} leaves between a narrow and a wide step; change one of them"
@@ -222,6 +222,9 @@ def default_specification(biped: FrontalBiped) -> GaitSpecification:
     """
     return GaitSpecification.from_dict(biped.description.gait, f"{biped.path}: [gait]")
 
+
+_ROUNDING = 1e-12
+"""Of a difference of step widths [m]: 0.35 - 0.15 is not 0.2."""
 
 _DEGREES = (3, 12)  # below 3 the determined columns meet; above 12 the basis is too ill-conditioned to help
 
