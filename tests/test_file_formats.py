@@ -49,9 +49,10 @@ class TestSpecification:
         assert read_specification(path) == GaitSpecification(
             max_pelvis_roll=0.1, max_foot_rotation=0.3, max_torque=(150.0,) * 4,
             max_multiplier=0.75, min_energy_margin=1.0, max_reversal_shift=0.003, cop_margin_x=0.02, yaw_friction=0.6,
+            travel=0.1,
         )  # fmt: skip
         left_out = re.findall(r"^(\w+) = .*leave out", self.block, re.MULTILINE)
-        assert len(left_out) == 8 and all(key not in GaitSpecification().as_dict() for key in left_out)
+        assert len(left_out) == 9 and all(key not in GaitSpecification().as_dict() for key in left_out)
 
 
 class TestDescription:
@@ -122,7 +123,8 @@ def test_gait_file(gait, tmp_path):
     text = frontal_biped.gait.file.__doc__
     save_gait(gait, tmp_path / "gait.json")
     content = json.loads((tmp_path / "gait.json").read_text(encoding="utf-8"))
-    named = [*content, *content["robot"], *content["rising"], *content["orbit"]]
+    (step,) = content["steps"]
+    named = [*content, *content["robot"], *step, *step["rising"], *step["orbit"]]
     assert [key for key in named if not re.search(rf"\b{key}\b", text)] == []
     assert f'"{content["format"]}", version {content["version"]}' in text
 

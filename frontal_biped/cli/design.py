@@ -22,6 +22,7 @@ from frontal_biped.files.counted import counted
 
 if TYPE_CHECKING:
     from frontal_biped.design.optimise import DesignResult
+    from frontal_biped.design.sideways import SidewaysResult
     from frontal_biped.model.biped import FrontalBiped
 
 SUMMARY = "Design a gait: minimise J under C01 to C09."
@@ -58,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Design a gait, write it, print its constraints."""
     from frontal_biped.design.walk_trial import STEPS
     from frontal_biped.design.walking_gait import design_gait
-    from frontal_biped.gait.file import load_gait, save_gait
+    from frontal_biped.gait.file import load_any_gait, save_gait
     from frontal_biped.gait.shipped import load_specification
     from frontal_biped.gait.specification import default_specification
     from frontal_biped.model.catalogue import load_robot
@@ -73,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
         def show(iteration: int, cost: float, violation: float) -> None:
             progress.update(f"iteration {iteration}, J = {cost:.3f} N^2 m s, violation {violation:.1e}")
 
-        start = None if arguments.start is None else load_gait(arguments.start)
+        start = None if arguments.start is None else load_any_gait(arguments.start)
         result = design_gait(
             biped,
             specification,
@@ -103,27 +104,31 @@ def _place(biped: "FrontalBiped") -> Path:
 
 
 def _report(
-    arguments: argparse.Namespace, biped: "FrontalBiped", result: "DesignResult", output: Path
+    arguments: argparse.Namespace, biped: "FrontalBiped", result: "DesignResult | SidewaysResult", output: Path
 ) -> tuple[dict[str, object], str]:
     """For JSON, and as text; what the gait needs is told as `analyze` tells it."""
     from frontal_biped.analysis.closed_form import analyze
+    from frontal_biped.gait.gait import Gait
+    from frontal_biped.gait.sideways import steps_in_turn
 
     gait = result.gait
     assert gait is not None
-    reached = (
-        f"{biped.name}: {result.message}; steps of {gait.orbit.step_duration:.3g} s and {gait.step_width:.3g} m;"
-        f" written to {output}"
+    steps = " and ".join(
+        f"{step.orbit.step_duration:.3g} s and {step.step_width:.3g} m" for step in steps_in_turn(gait)
     )
-    needs = analyze(biped, gait, certify=False, in_space=False).needs
+    reached = f"{biped.name}: {result.message}; steps of {steps}; written to {output}"
+    needs = analyze(biped, gait, certify=False, in_space=False).needs if isinstance(gait, Gait) else ""
     share = 100.0 * biped.asymmetry.mass_matrix
     legs = f"\nlegs averaged; they differ by {share:.2g} % of the mass matrix" if biped.asymmetry.differences else ""
     work = f"{counted(result.iterations, 'iteration')}, {counted(result.evaluations, 'evaluation')}"
     effort = f"{work}, {result.seconds:.2f} s"
     table = _table(biped, result, output)
-    return table, report(arguments, [reached, needs], [f"{result.report}\n\n{effort}{legs}"], [])
+    return table, report(
+        arguments, [line for line in (reached, needs) if line], [f"{result.report}\n\n{effort}{legs}"], []
+    )
 
 
-def _table(biped: "FrontalBiped", result: "DesignResult", output: Path | None) -> dict[str, object]:
+def _table(biped: "FrontalBiped", result: "DesignResult | SidewaysResult", output: Path | None) -> dict[str, object]:
     """For JSON, with a gait or without."""
     return {
         "success": result.success,
@@ -132,7 +137,7 @@ def _table(biped: "FrontalBiped", result: "DesignResult", output: Path | None) -
         "evaluations": result.evaluations,
         "seconds": result.seconds,
         "walk": None if result.walk is None else result.walk.as_dict(),
-        "tightened": [asdict(change) for change in result.tightened],
+        "tightened": [asdict(change) for change in getattr(result, "tightened", ())],
         "output": None if output is None else str(output),
         "asymmetry": biped.asymmetry.as_dict(),
         "constraints": None if result.report is None else result.report.as_dict(),

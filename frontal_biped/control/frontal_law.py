@@ -9,6 +9,10 @@ the sole at every tick so that the energy sideways is that of the orbit (`SwayOr
 (plus while rising, a_s the mean acceleration that the model does not explain), and from step to step an offset of the
 FRI while falling takes off what is left of the energy error half-way down: what the model leaves out (in space legs
 that swing forwards, and an impact with every joint free) comes back at every step.
+
+A gait that travels sideways has two steps in turn: phases and orbit are those of the step that is walked on the foot
+that stands. Its wide step A belongs to the foot that stands where the law is reset: on the left foot the robot travels
+to its right.
 """
 
 from dataclasses import dataclass, field
@@ -21,13 +25,15 @@ from frontal_biped.control.controller import SHIFT_ROOM
 from frontal_biped.control.interface import PhaseEvent
 from frontal_biped.control.torques.linearisation import Targets
 from frontal_biped.control.walker.energy_law import EnergySettings
-from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.planned_step import PlannedStep
+from frontal_biped.gait.sideways import AnyGait, orbits_in_turn, steps_in_turn
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
 from frontal_biped.model.sway import Sway
 from frontal_biped.virtual_constraints.phase import StepPhase
 from frontal_biped.virtual_constraints.swayed import BegunPhase, SwayedPhase
+from frontal_biped.zero_dynamics.poincare import StepOrbit
 from frontal_biped.zero_dynamics.sway_orbit import SwayOrbit
 
 LEARNED = 0.2
@@ -73,6 +79,33 @@ class FrontalTargets(NamedTuple):
     dy: FloatArray
 
 
+@dataclass(frozen=True)
+class _SwayedStep:
+    """One of the steps that are walked in turn, over the sway.
+
+    Attributes:
+        phases: its virtual constraints.
+        orbit: energy and time.
+        half_way: sway in the middle of the fall [m].
+        energy_per_offset: that an offset of the FRI over the upper half of the fall takes off [m/s^2].
+    """
+
+    phases: dict[StepPhase, SwayedPhase]
+    orbit: SwayOrbit
+    half_way: float
+    energy_per_offset: float
+
+    @classmethod
+    def of(cls, biped: FrontalBiped, step: PlannedStep, planned: StepOrbit, decay: float) -> "_SwayedStep":
+        phases = {
+            StepPhase.RISING: SwayedPhase(biped, step.rising),
+            StepPhase.FALLING: SwayedPhase(biped, step.falling),
+        }
+        orbit = SwayOrbit(biped, planned.rising, planned.falling, decay)
+        energy_per_offset = 0.5 * orbit.ranges[StepPhase.FALLING] * orbit.omega**2
+        return cls(phases, orbit, orbit.half_way(StepPhase.FALLING), energy_per_offset)
+
+
 class FrontalLaw:
     """Targets of the frontal plane along a walk.
 
@@ -85,7 +118,6 @@ class FrontalLaw:
         damping: ratio of the outputs' error dynamics [-].
 
     Attributes:
-        orbit: energy and time of the gait over the sway.
         offset: of the FRI target while falling, for either stance foot [m].
         mid_fall: relative speed error half-way down of the last step, NaN before the first [-].
 
@@ -96,7 +128,7 @@ class FrontalLaw:
     def __init__(
         self,
         biped: FrontalBiped,
-        gait: Gait,
+        gait: AnyGait,
         period: float,
         frequency: float,
         settings: FrontalSettings,
@@ -104,21 +136,15 @@ class FrontalLaw:
     ) -> None:
         self.settings, self._period = settings, period
         self._kp, self._kd = frequency**2, 2.0 * damping * frequency
-        self._phases = {
-            StepPhase.RISING: SwayedPhase(biped, gait.rising),
-            StepPhase.FALLING: SwayedPhase(biped, gait.falling),
-        }
         decay = np.inf if settings.energy is None else settings.energy.length
-        step = gait.step(biped)
-        self.orbit = SwayOrbit(biped, step.rising, step.falling, decay)
-        self._half_way = self.orbit.half_way(StepPhase.FALLING)
-        # an offset over the upper half of the fall takes this much energy off, per metre
-        self._energy_per_offset = 0.5 * self.orbit.ranges[StepPhase.FALLING] * self.orbit.omega**2
+        steps = zip(steps_in_turn(gait), orbits_in_turn(biped, gait), strict=True)
+        self._steps = [_SwayedStep.of(biped, step, orbit, decay) for step, orbit in steps]
         self._sole = biped.sole
         self.reset(Stance.LEFT)
 
     def reset(self, stance: Stance) -> None:
-        """Start right after an impact."""
+        """Start right after an impact, with the first step of the gait."""
+        self._of_foot = {stance: self._steps[0], stance.other: self._steps[-1]}
         self.offset = dict.fromkeys(Stance, 0.0)
         self.mid_fall = float("nan")
         self._bias = dict.fromkeys(Stance, 0.0)
@@ -126,6 +152,11 @@ class FrontalLaw:
         self._stance, self._since = stance, 0.0
         self._until_settled = np.inf
         self._fallen = True  # the first step is not learned from: it began where it was put
+
+    @property
+    def orbit(self) -> SwayOrbit:
+        """Energy and time over the sway, of the step that is walked on the foot that stands."""
+        return self._of_foot[self._stance].orbit
 
     def land(self, stance: Stance, sway: Sway, state: State) -> None:
         """A foot has landed: the rising phase begins.
@@ -166,7 +197,7 @@ class FrontalLaw:
             # where the robot turns every rate is zero, and the phase before says with which slope it goes on
             self._until_settled = np.inf
             before = self._begun.at(sway.value)
-            self._begun = self._phases[phase].begun(sway.value, before.h_d, before.h_d1)
+            self._begun = self._of_foot[self._stance].phases[phase].begun(sway.value, before.h_d, before.h_d1)
         assert self._begun is not None
         shift = self._shift(phase, sway, unexplained)
         if phase is StepPhase.FALLING:
@@ -181,7 +212,7 @@ class FrontalLaw:
 
     def _begin(self, phase: StepPhase, sway: Sway, pose: FloatArray, rates: FloatArray) -> None:
         slope = rates / sway.rate if abs(sway.rate) > SLOWEST else None
-        self._begun = self._phases[phase].begun(sway.value, pose, slope)
+        self._begun = self._of_foot[self._stance].phases[phase].begun(sway.value, pose, slope)
 
     def _shift(self, phase: StepPhase, sway: Sway, unexplained: float) -> float:
         """How far the FRI target is moved for the energy [m]."""
@@ -198,14 +229,15 @@ class FrontalLaw:
         return -wanted / self.orbit.omega**2
 
     def _learn(self, sway: Sway) -> None:
-        if self._fallen or sway.value < self._half_way:
+        step = self._of_foot[self._stance]
+        if self._fallen or sway.value < step.half_way:
             return
         self._fallen = True
-        error = self.orbit.error(StepPhase.FALLING, sway.value, sway.rate)
+        error = step.orbit.error(StepPhase.FALLING, sway.value, sway.rate)
         orbit = 0.5 * sway.rate**2 - error
         self.mid_fall = abs(sway.rate) / float(np.sqrt(2.0 * orbit)) - 1.0 if orbit > 0.0 else float("nan")
         if not abs(self.mid_fall) < DISTURBED:
             return
-        learned = self.offset[self._stance] + self.settings.learning * error / self._energy_per_offset
+        learned = self.offset[self._stance] + self.settings.learning * error / step.energy_per_offset
         outer, inner = self._sole
         self.offset[self._stance] = float(np.clip(learned, LEARNED * outer, LEARNED * inner))

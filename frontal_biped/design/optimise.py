@@ -123,7 +123,8 @@ def optimise_gait(
 
     Raises:
         UnreachablePoseError: no double support pose exists at the start.
-        SpecificationError: the FRI margin leaves no room in the robot's sole, or ``attempts`` is below 1.
+        SpecificationError: the FRI margin leaves no room in the robot's sole, ``attempts`` is below 1, or the
+            specification asks for travel.
     """
     biped = biped_of(biped)
     if isinstance(specification, str | Path):
@@ -133,6 +134,10 @@ def optimise_gait(
     if 2.0 * spec.fri_margin >= inner - outer:
         raise SpecificationError(
             f"fri_margin = {spec.fri_margin:g} m leaves no room in a sole of {inner - outer:g} m; reduce it"
+        )
+    if spec.travel is not None:
+        raise SpecificationError(
+            f"travel = {spec.travel:g} m: a gait of equal steps does not travel; use `design_gait`, or leave travel out"
         )
     if attempts < 1:
         raise SpecificationError(f"attempts = {attempts} is below 1; a design needs a start")

@@ -206,10 +206,10 @@ class DesignProblem:
         """Objective and constraints at x (P,), with exact derivatives."""
         step, soles, surplus = self._step(independent(x))
         lifted = step._replace(
-            rising=_with_floor(step.rising),
-            falling=_with_floor(step.falling),
+            rising=above_floor(step.rising),
+            falling=above_floor(step.falling),
         )
-        holding = self._holding(lifted) if self._in_space else None
+        holding = self.holding(lifted)
         constraints = step_constraints(
             self.biped, self.specification, lifted, soles, departure=self.departing, holding=holding
         )
@@ -224,7 +224,7 @@ class DesignProblem:
         equality = cast("Dual", np.concatenate([np.stack(self.ends.balance(step)), *surplus]))
         # J is the sum of the squares of these
         torques = np.concatenate(
-            [_weighted_torques(orbit, lifted.step_width) for orbit in (lifted.rising, lifted.falling)]
+            [weighted_torques(orbit, lifted.step_width) for orbit in (lifted.rising, lifted.falling)]
         )
         residual, residual_jacobian = cast("Dual", torques).value, cast("Dual", torques).derivative.T
         return Evaluation(
@@ -291,7 +291,10 @@ class DesignProblem:
         """Has any bound been moved inwards?"""
         return bool(self._tightened)
 
-    def _holding(self, step: StepOrbit) -> StepHolding:
+    def holding(self, step: StepOrbit) -> StepHolding | None:
+        """What the ground must hold at the nodes, where the specification bounds it."""
+        if not self._in_space:
+            return None
         orbits = step.rising, step.falling
         of_foot = []
         for sole, masses in self._in_space:
@@ -301,16 +304,31 @@ class DesignProblem:
         return StepHolding(*zip(*of_foot, strict=True))
 
     def _step(self, x: Dual) -> tuple[StepOrbit, SoleHeights, list[FloatArray]]:
+        free, q_minus, landing = self.landing(x)
+        departure = self.ends.departure
+        begin = StepBegin(q_minus, landing.slope) if departure is None else departure.begin
+        return self.step_from(begin, free, q_minus, landing)
+
+    def landing(self, x: Dual) -> tuple[FreeParameters, FloatArray, Landing]:
+        """Free parameters at x (P,), the pose (4,) that the step lands in [rad], and its impact per unit of dbeta."""
         free = self.unpack(cast("FloatArray", x))
         q_minus = self._differentiable.double_support_pose(x[BETA_IMPACT], x[STEP_WIDTH])
         dq_minus = final_falling_slope(free, cast("FloatArray", q_minus))
         flat = self._differentiable.impact(q_minus, cast("Dual", dq_minus))
         rates = (flat[rows] for rows in _LANDING_ROWS)
         landing = Landing(relabel(cast("FloatArray", q_minus)), *(cast("FloatArray", part) for part in rates))
-        departure = self.ends.departure
-        begin = StepBegin(cast("FloatArray", q_minus), landing.slope) if departure is None else departure.begin
+        return free, cast("FloatArray", q_minus), landing
+
+    def step_from(
+        self, begin: StepBegin, free: FreeParameters, q_minus: FloatArray, landing: Landing
+    ) -> tuple[StepOrbit, SoleHeights, list[FloatArray]]:
+        """The step that begins with one landing and ends with another, as `landing` has it.
+
+        Returns:
+            The step, the heights of its swing sole, and the leading coefficients that must vanish.
+        """
         rising = rising_parameters(free, *begin)
-        falling = falling_parameters(free, cast("FloatArray", q_minus), rising)
+        falling = falling_parameters(free, q_minus, rising)
         turn, tau_squared = free.beta_reversal, self.rule.tau**2
         Delta_r, Delta_f = turn - rising.beta_start, turn - falling.beta_end
         up = rising.motion(self._rising_basis, turn - Delta_r * tau_squared)
@@ -345,13 +363,13 @@ _LANDING_ROWS = (slice(0, 4), slice(4, 7), slice(7, 9), slice(9, 11))
 """Of `DifferentiableBiped.impact`: dq_plus, impulse, lift_off, touchdown."""
 
 
-def _weighted_torques(orbit: PhaseOrbit, step_width: float) -> FloatArray:
+def weighted_torques(orbit: PhaseOrbit, step_width: float) -> FloatArray:
     """(4 n,) u sqrt(weight dt/dtau / L_s) at the nodes."""
     density = np.sqrt(orbit.time_density / step_width) * np.sqrt(orbit.weights)
     return (orbit.generalized_forces[TORQUES] * density).reshape(-1)
 
 
-def _with_floor(orbit: PhaseOrbit) -> PhaseOrbit:
+def above_floor(orbit: PhaseOrbit) -> PhaseOrbit:
     """The orbit with z > 0 everywhere: below FLOOR_Z a hyperbola that continues it with equal slope."""
     z = cast("Dual", orbit.z)
     low = z.value < FLOOR_Z

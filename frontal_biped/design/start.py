@@ -30,7 +30,7 @@ def swayed_stand(biped: FrontalBiped, spec: GaitSpecification, lean: float = LEA
     # the step no wider than comfortable: half-way in the range, but at most 1.5 hip widths
     low, high = spec.step_width
     width = float(np.clip(min(0.5 * (low + high), 1.5 * biped.hip_width), low, high))
-    beta_impact = _symmetric_stance(biped, width)
+    beta_impact = symmetric_stance(biped, width)
     final = double_support_pose(biped, beta_impact, width)
     lean = min(max(lean, 1.2 * spec.min_phase_range), LARGEST_LEAN)
     reversal = final[::-1].copy()
@@ -60,7 +60,7 @@ def swayed_stand(biped: FrontalBiped, spec: GaitSpecification, lean: float = LEA
     )
 
 
-def _symmetric_stance(biped: FrontalBiped, step_width: float) -> float:
+def symmetric_stance(biped: FrontalBiped, step_width: float) -> float:
     """Stance ankle angle at which both feet stand flat, ``step_width`` apart, with a level pelvis [rad]."""
     ankle, hip, _, swing_ankle = biped.chain.joints
     a = hip - ankle

@@ -7,6 +7,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.forward_mode import Dual
 from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.sideways import SidewaysStep
 from frontal_biped.virtual_constraints.bezier import bernstein, elevate
 from frontal_biped.virtual_constraints.invariance import FreeParameters, free_parameters
 from frontal_biped.virtual_constraints.phase import Phase
@@ -52,7 +53,7 @@ class VariableLayout:
         columns = [free.rising_columns.T.ravel(), free.falling_columns.T.ravel()]
         return np.concatenate([head, *columns, free.rising_fri, free.falling_fri])
 
-    def of(self, gait: Gait) -> FloatArray:
+    def of(self, gait: Gait | SidewaysStep) -> FloatArray:
         """Variables (P,) of a gait, of any degree: raised exactly, lowered by least squares."""
         rising, falling = self._as_phase(gait.rising), self._as_phase(gait.falling)
         return self.pack(free_parameters(rising, falling, gait.step_width))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.files.counted import counted
-from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.sideways import AnyGait, steps_in_turn
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.falls import OFF_SPEED
 from frontal_biped.simulation.mid_fall import speed_errors
@@ -96,7 +96,7 @@ def engines() -> tuple[str, ...]:
 
 
 def try_walk(
-    biped: FrontalBiped, gait: Gait, steps: int = STEPS, on_step: Callable[[str, int], None] | None = None
+    biped: FrontalBiped, gait: AnyGait, steps: int = STEPS, on_step: Callable[[str, int], None] | None = None
 ) -> WalkTrial:
     """Walk a gait in every engine that is installed, until it fails in one.
 
@@ -117,15 +117,17 @@ def try_walk(
     return WalkTrial(tuple(walks))
 
 
-def _walked(biped: FrontalBiped, gait: Gait, engine: str, run: Trajectory) -> EngineWalk:
+def _walked(biped: FrontalBiped, gait: AnyGait, engine: str, run: Trajectory) -> EngineWalk:
     times = np.diff(run.event_t[run.events("IMPACT")])
     speeds = speed_errors(biped, gait, run)
     speed = float(np.mean(speeds)) if len(speeds) else None
+    of_steps = [(step.orbit.step_duration, step.orbit.cost * step.step_width) for step in steps_in_turn(gait)]
+    planned_time, planned_effort = np.mean(of_steps, axis=0)
     effort = run.settings.get("measured", {}).get("effort")
-    cost = None if effort is None else float(effort["mean"]) / gait.step_width / gait.orbit.cost
+    cost = None if effort is None else float(effort["mean"] / planned_effort)
     time = float(times.mean()) if len(times) else None
     off = run.outcome == COMPLETED and (
-        speed is None or abs(speed) > SPEED or (time is not None and abs(time / gait.orbit.step_duration - 1.0) > TIME)
+        speed is None or abs(speed) > SPEED or (time is not None and abs(time / planned_time - 1.0) > TIME)
     )
     return EngineWalk(
         engine,

@@ -15,11 +15,13 @@ from typing import Any
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.optimise import DesignResult, optimise_gait
 from frontal_biped.design.search import Progress
+from frontal_biped.design.sideways import LEFT_OUT, SidewaysResult, design_sideways_gait
 from frontal_biped.design.tightening import Tightening, tightenings
 from frontal_biped.design.walk_trial import STEPS, WalkTrial, try_walk
 from frontal_biped.exceptions import SpecificationError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.shipped import load_specification
+from frontal_biped.gait.sideways import AnyGait, SidewaysGait
 from frontal_biped.gait.specification import GaitSpecification, default_specification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import RobotLike, biped_of
@@ -33,9 +35,6 @@ DEAR = 0.02
 MOST_DESIGNS = 8
 """Tightened designs that are tried."""
 
-LEFT_OUT = "left out (quick)"
-"""What a gait file says of the walk of a gait that was not walked."""
-
 Tell = Callable[[str], None]
 """Called with a line that says what is being done."""
 
@@ -45,22 +44,22 @@ def design_gait(
     specification: GaitSpecification | str | Path | None = None,
     *,
     quick: bool = False,
-    start: Gait | FloatArray | None = None,
+    start: AnyGait | FloatArray | None = None,
     attempts: int = 1,
     advise: bool = True,
     budget: float = BUDGET,
     on_progress: Progress | None = None,
     on_step: Callable[[str, int], None] | None = None,
     tell: Tell | None = None,
-) -> DesignResult:
-    """A gait of least J under C01 to C09 that walks.
+) -> DesignResult | SidewaysResult:
+    """A gait of least J under C01 to C09 that walks; with ``travel`` in the specification one that travels sideways.
 
     Args:
         biped: the robot, in any of its views, or by name or path.
         specification: the bounds, also by name or path as `load_specification`; default: `default_specification`.
         quick: leave out the walk; the gait's provenance says so.
-        start: see `optimise_gait`.
-        attempts: see `optimise_gait`.
+        start: see `optimise_gait`; with travel a gait, see `design_sideways_gait`.
+        attempts: see `optimise_gait`; with travel there is one.
         advise: see `optimise_gait`.
         budget: share of J that may be given away [-].
         on_progress: see `optimise_gait`.
@@ -68,7 +67,8 @@ def design_gait(
         tell: called with a line on every walk that failed and what is tried against it.
 
     Returns:
-        As `optimise_gait`; ``walk`` and ``tightened`` say how it walked, and what was asked beyond the specification.
+        With travel as `design_sideways_gait`; otherwise as `optimise_gait`; ``walk`` and ``tightened`` say how it
+        walked, and what was asked beyond the specification.
         No gait where none of those tried walks; the message says why.
 
     Raises:
@@ -82,6 +82,16 @@ def design_gait(
     if isinstance(specification, str | Path):
         specification = load_specification(specification)
     spec = default_specification(biped) if specification is None else specification
+    if spec.travel is not None:
+        if attempts != 1 or not isinstance(start, Gait | SidewaysGait | None):
+            raise SpecificationError(
+                "travel: a gait that travels sideways is designed once, from a gait; leave out attempts and variables"
+            )
+        return design_sideways_gait(biped, spec, quick=quick, start=start, on_progress=on_progress, on_step=on_step)
+    if isinstance(start, SidewaysGait):
+        raise SpecificationError(
+            "start: two steps in turn start no gait of equal steps; give one on the spot, or travel"
+        )
     first = optimise_gait(biped, spec, start=start, attempts=attempts, advise=advise, on_progress=on_progress)
     if first.gait is None:
         return first

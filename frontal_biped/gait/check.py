@@ -181,7 +181,7 @@ def check_constraints(
     holding = step_holding(biped, dense) if specification.bounds_holding_wrench else None
     # the duration is an integral and keeps the accuracy of the quadrature
     constraints = step_constraints(biped, specification, dense, soles, step.duration, departure, holding)
-    checks = [_worst(constraint) for constraint in constraints]
+    checks = [worst_point(constraint) for constraint in constraints]
     ends = biped.swing_sole(step.falling.motion.q[-1])[:, 1]
     flat = float(np.max(np.abs(ends)))
     on_ground = ConstraintCheck(
@@ -231,7 +231,7 @@ def check_holding(
         for wrenches, phase in zip(holding, StepPhase, strict=True)
     ]
     found = [limit for pair in zip(*limits, strict=True) for limit in pair if limit is not None]
-    return HoldingCheck(holding, tuple(_worst(limit) for limit in found))
+    return HoldingCheck(holding, tuple(worst_point(limit) for limit in found))
 
 
 def _on_grid(biped: FrontalBiped, rising: Phase, falling: Phase, step: StepOrbit, points: int) -> StepOrbit:
@@ -240,7 +240,8 @@ def _on_grid(biped: FrontalBiped, rising: Phase, falling: Phase, step: StepOrbit
     return step._replace(rising=up, falling=down)
 
 
-def _worst(constraint: Constraint) -> ConstraintCheck:
+def worst_point(constraint: Constraint) -> ConstraintCheck:
+    """A constraint at the point where the least is left of it."""
     values = np.atleast_1d(constraint.values)
     candidates = []
     for bound, sign in constraint.sides():

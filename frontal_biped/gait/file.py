@@ -1,19 +1,21 @@
-"""The gait file (JSON): written whole or not at all, read field by field. Format "frontal-biped-gait", version 1.
+"""The gait file (JSON): written whole or not at all, read field by field. Format "frontal-biped-gait", version 2.
 
     format, version          what the file is
     robot                    name, description, fingerprint (SHA-256 of URDF and description); the description is a
                              path from the folder of this file, or the file name of a packaged one (`robot_path`)
-    rising, falling          each: beta_start, beta_end [rad]; joint_bezier, 3 rows (stance hip, swing hip, swing
+    steps                    list of one step that is walked again and again (`Gait`), or of two that are walked in
+                             turn, the wide one first (`SidewaysGait`); each:
+      rising, falling        each: beta_start, beta_end [rad]; joint_bezier, 3 rows (stance hip, swing hip, swing
                              ankle) of M + 1 coefficients [rad]; fri_bezier, one row [m]
-    step_width               L_s, distance between the ankles [m]
-    orbit                    beta_dot_after_impact [rad/s], zeta_f_star [kg^2 m^4/s^2], step_duration [s],
-                             cost [N^2 m s], multiplier [-]
+      step_width             L_s, distance between the ankles where it lands [m]
+      orbit                  beta_dot_after_impact [rad/s], zeta_f_star [kg^2 m^4/s^2], step_duration [s],
+                             cost [N^2 m s], multiplier [-] of the step
     specification            what it was designed for, keys of a specification file
     provenance               versions, seed, solver status, residuals
 
 Numbers are written so that reading gives back the same bits. An unknown or missing field, a wrong shape, a text that is
 not one line, a number that is not finite or out of its range (`gait.ranges`) is refused with file, field, value and
-remedy.
+remedy. Version 1, which is read as well, has the fields of its one step beside robot and specification, without a list.
 """
 
 import json
@@ -35,10 +37,11 @@ from frontal_biped.gait.ranges import GAIT as RANGES
 from frontal_biped.gait.ranges import MOST_COEFFICIENTS, require_in_range
 from frontal_biped.gait.robot_path import found_description, stored_description
 from frontal_biped.gait.shipped import gait_path
+from frontal_biped.gait.sideways import AnyGait, SidewaysGait, SidewaysStep, steps_in_turn
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.virtual_constraints.phase import Phase
 
-VERSION = 1
+VERSION = 2
 
 LONGEST_TEXT = 4096
 """Characters of a text of the robot; what a path has at most."""
@@ -47,77 +50,112 @@ MOST_PROVENANCE, DEEPEST_PROVENANCE = 10_000, 20
 """Values of the provenance, and tables within tables; designs write some thirty, three deep."""
 
 
-def save_gait(gait: Gait, path: Path | str) -> None:
+def save_gait(gait: AnyGait, path: Path | str) -> None:
     """Write a gait file (JSON); numbers round-trip exactly, and the file appears whole or not at all."""
     path = Path(path)
     stored = _of_robot(gait, stored_description(gait.robot.description, path.parent))
     write_text(path, json.dumps(gait_to_dict(stored), indent=1, allow_nan=False) + "\n")
 
 
-def gait_to_dict(gait: Gait) -> dict[str, Any]:
+def gait_to_dict(gait: AnyGait) -> dict[str, Any]:
     """Content of a gait file, its robot's description named as in memory."""
     return {
         "format": GAIT,
         "version": VERSION,
         "robot": asdict(gait.robot),
-        "rising": _phase_to_dict(gait.rising),
-        "falling": _phase_to_dict(gait.falling),
-        "step_width": gait.step_width,
-        "orbit": asdict(gait.orbit),
+        "steps": [
+            {
+                "rising": _phase_to_dict(step.rising),
+                "falling": _phase_to_dict(step.falling),
+                "step_width": step.step_width,
+                "orbit": asdict(step.orbit),
+            }
+            for step in steps_in_turn(gait)
+        ],
         "specification": gait.specification.as_dict(),
         "provenance": dict(gait.provenance),
     }
 
 
 def load_gait(path: Path | str) -> Gait:
-    """Read a gait file, or a packaged gait by the name of its robot; see `gait_path`.
+    """Read the file of a gait of equal steps, or a packaged gait by the name of its robot; see `gait_path`.
 
     Raises:
         GaitFileError: there is none, or the file is missing, not JSON, of another format or version, or a field is
             absent, unknown, of the wrong type or shape, or not finite. The message names file, field, value and remedy.
-            Only the specification need not be complete: defaults hold where it says nothing.
+            Only the specification need not be complete: defaults hold where it says nothing. Or it holds two steps.
     """
     path = gait_path(path)
-    gait = gait_from_dict(_load_json(path), str(path))
+    return _equal_steps(load_any_gait(path), str(path))
+
+
+def load_any_gait(path: Path | str) -> AnyGait:
+    """Read a gait file of equal steps or of two in turn; see `load_gait`.
+
+    Raises:
+        GaitFileError: as `load_gait`, but for files of two steps.
+    """
+    path = gait_path(path)
+    gait = any_gait_from_dict(_load_json(path), str(path))
     return _of_robot(gait, found_description(gait.robot.description, path.parent))
 
 
 def gait_from_dict(table: Any, where: str) -> Gait:
-    """Gait from the content of a gait file; ``where`` begins every complaint.
+    """Gait of equal steps from the content of a gait file; ``where`` begins every complaint.
 
     Raises:
         GaitFileError: as `load_gait`.
+    """
+    return _equal_steps(any_gait_from_dict(table, where), where)
+
+
+def any_gait_from_dict(table: Any, where: str) -> AnyGait:
+    """Gait of equal steps, or of two in turn, from the content of a gait file; ``where`` begins every complaint.
+
+    Raises:
+        GaitFileError: as `load_any_gait`.
     """
     if not isinstance(table, dict) or table.get("format") != GAIT:
         raise GaitFileError(
             f'{where}: not a gait file, "format" is not {GAIT!r}; write one with `frontal-biped design`'
         )
-    if isinstance(table.get("version"), bool) or table.get("version") != VERSION:  # JSON's true equals 1 in Python
+    version = table.get("version")
+    if isinstance(version, bool) or version not in (1, VERSION):  # JSON's true equals 1 in Python
         raise GaitFileError(
-            f'{where}: "version" is {quoted(table.get("version"))}, this program reads {VERSION}; design it again'
+            f'{where}: "version" is {quoted(version)}, this program reads 1 and {VERSION}; design it again'
         )
     reader = _Reader(where)
-    known = ("format", "version", "robot", "rising", "falling", "step_width", "orbit", "specification", "provenance")
-    reader.no_others("", table, known)
+    around = ("format", "version", "robot"), ("specification", "provenance")
+    if version == 1:
+        reader.no_others("", table, (*around[0], *_STEP, *around[1]))
+        steps = [reader.step(table, "")]
+    else:
+        reader.no_others("", table, (*around[0], "steps", *around[1]))
+        steps = reader.steps(table)
     robot = reader.table(table, "robot", ("name", "description", "fingerprint"))
-    orbit = reader.table(table, "orbit", tuple(OrbitNumbers.__dataclass_fields__))
-    rising, falling = (reader.phase(table, name) for name in ("rising", "falling"))
-    if not rising.beta_start < rising.beta_end:
-        raise GaitFileError(f"{where}: rising: beta_start must be below beta_end, rising means dbeta > 0")
-    if not falling.beta_start > falling.beta_end:
-        raise GaitFileError(f"{where}: falling: beta_start must be above beta_end, falling means dbeta < 0")
-    return Gait(
-        RobotReference(*(reader.text(robot, "robot", key) for key in ("name", "description", "fingerprint"))),
-        rising,
-        falling,
-        reader.number(table, "", "step_width"),
-        OrbitNumbers(*(reader.number(orbit, "orbit", key) for key in OrbitNumbers.__dataclass_fields__)),
-        reader.specification(table),
-        reader.provenance(table),
-    )
+    reference = RobotReference(*(reader.text(robot, "robot", key) for key in ("name", "description", "fingerprint")))
+    specification, provenance = reader.specification(table), reader.provenance(table)
+    if len(steps) == 1:
+        return Gait(reference, *steps[0], specification, provenance)
+    a, b = (SidewaysStep(*step, specification) for step in steps)
+    if a.step_width < b.step_width:
+        raise GaitFileError(
+            f"{where}: steps[0].step_width = {a.step_width:g} is below steps[1].step_width = {b.step_width:g}; the step"
+            " that lands wide comes first, exchange them"
+        )
+    return SidewaysGait(reference, a, b, provenance)
 
 
-def _of_robot(gait: Gait, description: str) -> Gait:
+def _equal_steps(gait: AnyGait, where: str) -> Gait:
+    if isinstance(gait, SidewaysGait):
+        raise GaitFileError(
+            f"{where}: holds two steps, the gait travels sideways; simulate or analyze it, for this design one on the"
+            " spot, without travel"
+        )
+    return gait
+
+
+def _of_robot(gait: AnyGait, description: str) -> AnyGait:
     return replace(gait, robot=replace(gait.robot, description=description))
 
 
@@ -149,6 +187,12 @@ def _other_kind(path: Path) -> str | None:
     return named_kind(path)
 
 
+_STEP = ("rising", "falling", "step_width", "orbit")
+"""Fields of a step."""
+
+_Step = tuple[Phase, Phase, float, OrbitNumbers]
+
+
 class _Reader:
     """Checked access to the fields of a gait file; every complaint names file, field and value."""
 
@@ -163,12 +207,13 @@ class _Reader:
                     f"{self.where}: {place}unknown field {quoted(key)}; known fields: {', '.join(known)}"
                 )
 
-    def table(self, parent: dict[str, Any], key: str, known: tuple[str, ...] | None) -> dict[str, Any]:
+    def table(self, parent: dict[str, Any], key: str, known: tuple[str, ...] | None, place: str = "") -> dict[str, Any]:
+        name = f"{place}{key}"
         if not isinstance(parent.get(key), dict):
-            raise GaitFileError(f"{self.where}: field {key!r} is missing or not an object; design the gait again")
+            raise GaitFileError(f"{self.where}: field {name!r} is missing or not an object; design the gait again")
         table: dict[str, Any] = parent[key]
         if known is not None:
-            self.no_others(key, table, known)
+            self.no_others(name, table, known)
         return table
 
     def text(self, table: dict[str, Any], section: str, key: str) -> str:
@@ -192,8 +237,38 @@ class _Reader:
         require_in_range(f"{self.where}: {name}", value, RANGES[key], GaitFileError)
         return value
 
-    def phase(self, table: dict[str, Any], name: str) -> Phase:
-        fields = self.table(table, name, ("beta_start", "beta_end", "joint_bezier", "fri_bezier"))
+    def steps(self, table: dict[str, Any]) -> list[_Step]:
+        found = table.get("steps")
+        if not isinstance(found, list) or len(found) not in (1, 2):
+            raise GaitFileError(
+                f"{self.where}: field 'steps' is missing or no list of one step or of two; design the gait again"
+            )
+        steps = []
+        for i, fields in enumerate(found):
+            if not isinstance(fields, dict):
+                raise GaitFileError(f"{self.where}: steps[{i}] = {quoted(fields)} is not an object; design it again")
+            self.no_others(f"steps[{i}]", fields, _STEP)
+            steps.append(self.step(fields, f"steps[{i}]."))
+        return steps
+
+    def step(self, table: dict[str, Any], place: str) -> _Step:
+        """One step; ``place`` goes before the names of its fields."""
+        rising, falling = (self.phase(table, name, place) for name in ("rising", "falling"))
+        if not rising.beta_start < rising.beta_end:
+            raise GaitFileError(
+                f"{self.where}: {place}rising: beta_start must be below beta_end, rising means dbeta > 0"
+            )
+        if not falling.beta_start > falling.beta_end:
+            raise GaitFileError(
+                f"{self.where}: {place}falling: beta_start must be above beta_end, falling means dbeta < 0"
+            )
+        orbit = self.table(table, "orbit", tuple(OrbitNumbers.__dataclass_fields__), place)
+        numbers = OrbitNumbers(*(self.number(orbit, f"{place}orbit", key) for key in OrbitNumbers.__dataclass_fields__))
+        return rising, falling, self.number(table, place.removesuffix("."), "step_width"), numbers
+
+    def phase(self, table: dict[str, Any], name: str, place: str) -> Phase:
+        fields = self.table(table, name, ("beta_start", "beta_end", "joint_bezier", "fri_bezier"), place)
+        name = f"{place}{name}"
         joints, fri = self.array(fields, name, "joint_bezier"), self.array(fields, name, "fri_bezier")
         if joints.ndim != 2 or joints.shape[0] != 3 or joints.shape[1] < 4:
             raise GaitFileError(

@@ -4,15 +4,16 @@ from pathlib import Path
 from typing import Protocol
 
 from frontal_biped.exceptions import DesignFailedError, GaitFileError
-from frontal_biped.gait.file import load_gait
+from frontal_biped.gait.file import load_any_gait
 from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.sideways import AnyGait, SidewaysGait
 
 
 class Designed(Protocol):
-    """What a design returns: `DesignResult`."""
+    """What a design returns: `DesignResult`, `SidewaysResult`."""
 
     @property
-    def gait(self) -> Gait | None:
+    def gait(self) -> AnyGait | None:
         """The gait, or None where none was found."""
 
     @property
@@ -20,8 +21,8 @@ class Designed(Protocol):
         """What was reached, or why there is none; one line."""
 
 
-GaitLike = Gait | Designed | str | Path
-"""What `gait_of` takes."""
+GaitLike = AnyGait | Designed | str | Path
+"""What `gait_of` and `any_gait_of` take."""
 
 
 def gait_of(gait: GaitLike) -> Gait:
@@ -29,13 +30,30 @@ def gait_of(gait: GaitLike) -> Gait:
 
     Raises:
         DesignFailedError: the design found no gait.
+        GaitFileError: there is none of that name, the file cannot be read, or what is given is none of these or travels
+            sideways; one line.
+    """
+    found = any_gait_of(gait)
+    if isinstance(found, SidewaysGait):
+        raise GaitFileError(
+            f"gait = {found!r}: two steps in turn; simulate or analyze take them, for this give a gait on the spot,"
+            " designed without travel"
+        )
+    return found
+
+
+def any_gait_of(gait: GaitLike) -> AnyGait:
+    """As `gait_of`, for gaits that travel sideways as well.
+
+    Raises:
+        DesignFailedError: the design found no gait.
         GaitFileError: there is none of that name, the file cannot be read, or what is given is none of these; one line.
     """
-    if isinstance(gait, Gait):
+    if isinstance(gait, Gait | SidewaysGait):
         return gait
     if isinstance(gait, str | Path):
-        return load_gait(gait)
-    if not hasattr(gait, "gait") or not isinstance(gait.gait, Gait | None):
+        return load_any_gait(gait)
+    if not hasattr(gait, "gait") or not isinstance(gait.gait, Gait | SidewaysGait | None):
         raise GaitFileError(
             f"gait = {type(gait).__name__}: no gait; give one, the result of a design, the name of a packaged gait or"
             " the path of a gait file"

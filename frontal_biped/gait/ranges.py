@@ -52,6 +52,7 @@ SPECIFICATION: Mapping[str, Range] = {
     "max_reversal_shift": Range(_SMALL, 0.5 * math.pi, "rad"),
     "cop_margin_x": Range(0.0, 1.0, "m"),
     "yaw_friction": Range(1e-6, 1000.0, "(coefficient)"),
+    "travel": Range(0.0, 10.0, "m"),
 }
 """By the keys of a specification; those of a list hold for each of its numbers."""
 

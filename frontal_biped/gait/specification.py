@@ -1,7 +1,7 @@
 """Gait specification: the constraints C01..C09 as data ([O] Sec. IV-A), and the specification file (TOML).
 
-Every key is optional. This file says what an empty one says, but for the eight keys of which leaving out means "free",
-or what stands in brackets:
+Every key is optional. This file says what an empty one says, but for the nine keys of which leaving out means "free",
+or what stands in their comments:
 
     degree = 5                 # joint Bezier degree; or one for each of stance hip, swing hip, swing ankle
     fri_degree = 3             # FRI Bezier degree
@@ -22,6 +22,7 @@ or what stands in brackets:
     seed = 0                   # of everything random
     cop_margin_x = 0.02        # m inside toe and heel, of a robot in space; leave out: free
     yaw_friction = 0.6         # coefficient for force and yaw moment together, in space; leave out: free
+    travel = 0.1               # m sideways in two steps, wide and narrow in turn; leave out: on the spot
 
 The robot's joint position and velocity limits are kept as well. `default_specification` takes the keys that suit a
 robot from the ``[gait]`` table of its description. The three bounds from max_multiplier on ask for robustness;
@@ -74,6 +75,8 @@ class GaitSpecification:
             ``yaw_friction``. See `gait.holding_wrench`.
         yaw_friction: coefficient of friction that must hold force and yaw moment of the stance sole together [-];
             None: free.
+        travel: way sideways in two steps [m], which then differ: the first lands as much wider than the second; None:
+            on the spot, all steps alike.
 
     Raises:
         SpecificationError: a value is out of range (see `gait.ranges` also); the message names key and value.
@@ -98,6 +101,7 @@ class GaitSpecification:
     seed: int = 0
     cop_margin_x: float | None = None
     yaw_friction: float | None = None
+    travel: float | None = None
 
     def __post_init__(self) -> None:
         degrees = self.degree if isinstance(self.degree, tuple | list) else (self.degree,)
@@ -148,6 +152,14 @@ class GaitSpecification:
                     f"cop_margin_x = {margin:g} must not be negative; 0 lets it go to toe and heel"
                 )
             object.__setattr__(self, "cop_margin_x", margin)
+        if self.travel is not None:
+            travel, (narrowest, widest) = finite_number("travel", self.travel, SpecificationError), self.step_width
+            if not 0.0 <= travel <= widest - narrowest + _ROUNDING:
+                raise SpecificationError(
+                    f"travel = {travel:g} m in two steps is not in [0, {widest - narrowest:g}], the room that"
+                    f" step_width = {list(self.step_width)} leaves between a narrow and a wide step; change one of them"
+                )
+            object.__setattr__(self, "travel", travel)
         for key, allowed in SPECIFICATION.items():
             value = getattr(self, key)
             for part in value if isinstance(value, tuple) else (value,):
@@ -210,6 +222,9 @@ def default_specification(biped: FrontalBiped) -> GaitSpecification:
     """
     return GaitSpecification.from_dict(biped.description.gait, f"{biped.path}: [gait]")
 
+
+_ROUNDING = 1e-12
+"""Of a difference of step widths [m]: 0.35 - 0.15 is not 0.2."""
 
 _DEGREES = (3, 12)  # below 3 the determined columns meet; above 12 the basis is too ill-conditioned to help
 

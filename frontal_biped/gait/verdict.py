@@ -95,30 +95,33 @@ def judge(
         report = check_constraints(biped, spec, *phases, step)
     residuals = gait.residuals(biped, step)
     reversal = analyse_reversal(ReversalProblem.of_phases(biped, *phases, gait.step_width, nodes))
+    hzd = HybridZeroDynamics(biped, step)
     objections = (
-        *_residuals(residuals),
-        *_orbit(HybridZeroDynamics(biped, step), error),
+        *residuals_missed(residuals),
+        *orbit_missed(hzd.multiplier, error, in_domain=hzd.in_domain),
         *_reversal(reversal),
-        *_constraints(report),
+        *constraints_missed(report),
     )
     return GaitVerdict(nodes, error, step, residuals, reversal, report, objections)
 
 
-def _residuals(residuals: dict[str, float]) -> Iterator[Objection]:
+def residuals_missed(residuals: dict[str, float]) -> Iterator[Objection]:
+    """Objections to residuals."""
     for name, value in residuals.items():
         verdict = below(value, RESIDUAL_BOUND)
         if verdict is not Verdict.CERTIFIED:
             yield Objection(verdict, f"residual {name} is {value:.3g}, not below {RESIDUAL_BOUND:g}")
 
 
-def _orbit(hzd: HybridZeroDynamics, error: float) -> Iterator[Objection]:
-    slope, error = hzd.multiplier, max(error, QUADRATURE_ACCURACY)
+def orbit_missed(slope: float, error: float, *, in_domain: bool) -> Iterator[Objection]:
+    """Objections to an orbit: its multiplier, known to a relative error, and whether its map is defined there."""
+    error = max(error, QUADRATURE_ACCURACY)
     stable = below(slope, 1.0, slope * error)
     if stable is Verdict.REFUTED:
         yield Objection(stable, f"the multiplier {slope:.6g} is not below 1: the gait is not stable")
     elif stable is Verdict.UNDECIDED:
         yield Objection(stable, f"the multiplier {slope:.9g} is 1 within its error of {slope * error:.1g}")
-    if not hzd.in_domain:
+    if not in_domain:
         yield Objection(Verdict.REFUTED, "the fixed point is outside the domain of the Poincare map")
 
 
@@ -141,7 +144,8 @@ def _reversal(reversal: ReversalAnalysis) -> Iterator[Objection]:
         )
 
 
-def _constraints(report: ConstraintReport) -> Iterator[Objection]:
+def constraints_missed(report: ConstraintReport) -> Iterator[Objection]:
+    """Objections to constraints."""
     for check in report.violated:
         reason = f"{check.code} {check.name} = {check.value:.6g} {check.unit}, bound {check.bound:.6g}"
         yield Objection(Verdict.REFUTED, reason)

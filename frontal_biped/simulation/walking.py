@@ -8,14 +8,15 @@ from frontal_biped.control.controller import QpController
 from frontal_biped.control.interface import Contract, Controller, Tickable
 from frontal_biped.control.joint_law import JointLaw, is_joint_law
 from frontal_biped.control.settings import ControllerSettings, sampled_frequency
-from frontal_biped.control.stabilisers.by_name import make_stabiliser
+from frontal_biped.control.stabilisers.by_name import make_stabiliser, make_stabilisers
 from frontal_biped.control.stabilisers.transitions import Stabiliser
+from frontal_biped.control.steps_in_turn import StepsInTurn
 from frontal_biped.control.walker.law_walker import LawWalker
 from frontal_biped.control.walker.walker import Walker
 from frontal_biped.exceptions import ControllerError, SimulationError
 from frontal_biped.gait.file import gait_to_dict
-from frontal_biped.gait.gait import Gait
-from frontal_biped.gait.given import GaitLike, gait_of
+from frontal_biped.gait.given import GaitLike, any_gait_of
+from frontal_biped.gait.sideways import AnyGait, SidewaysGait, steps_in_turn
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import RobotLike, biped_of
 from frontal_biped.model.perturbation import ModelErrors
@@ -52,7 +53,8 @@ def simulate(
 
     Args:
         biped: the robot, in any of its views, or by name or path.
-        gait: the gait, a design's result, or by name or path.
+        gait: the gait, a design's result, or by name or path. One that travels sideways begins with its wide step: on
+            the left foot it goes to the right.
         steps: impacts after which to stop.
         period: control period [s], a zero-order hold; None: the controller acts in continuous time.
         speed_error: relative error of the first post-impact speed, all joints alike, so that the start stays on Z.
@@ -79,7 +81,7 @@ def simulate(
         GaitFileError: there is no such gait.
         DesignFailedError: the design found none.
     """
-    biped, gait = biped_of(biped), gait_of(gait)
+    biped, gait = biped_of(biped), any_gait_of(gait)
     base = simulation_settings or SimulationSettings()
     settings = replace(base, steps=steps, period=period, disturbances=disturbances or base.disturbances)
     if controller is not None:
@@ -88,10 +90,9 @@ def simulate(
     linearising = controller_settings is None or controller_settings.outputs == "linearising"
     if stabiliser is None and period is not None and linearising:
         return _walked(biped, gait, "ours", settings, speed_error, stance, None, errors, controller_settings, on_step)
-    stabiliser = stabiliser or "adaptive"
-    chosen = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
-    program = QpController(biped, gait, controller_settings or sampled_settings(gait, period), chosen)
-    stored = {**asdict(program.settings), "speed_error": speed_error, "stabiliser": chosen.name}
+    program, name = _told(biped, gait, stabiliser, controller_settings or sampled_settings(gait, period))
+    controllers = program.controllers if isinstance(program, StepsInTurn) else (program,)
+    stored = {**asdict(controllers[0].settings), "speed_error": speed_error, "stabiliser": name}
     run = simulate_walk(
         biped,
         program,
@@ -104,8 +105,21 @@ def simulate(
         controller_settings=stored,
     )
     counters = ("ticks", "unsolved", "relaxed", "held", "declined")
-    counted = {**stored, **{name: getattr(program, name) for name in counters}}
+    counted = {**stored, **{name: sum(getattr(one, name) for one in controllers) for name in counters}}
     return replace(run, settings={**run.settings, "controller": counted})
+
+
+def _told(
+    biped: FrontalBiped, gait: AnyGait, stabiliser: Stabiliser | str | None, settings: ControllerSettings
+) -> tuple[QpController | StepsInTurn, str]:
+    """A controller that is told the state, and the name of its stabiliser."""
+    if isinstance(gait, SidewaysGait):
+        chosen = make_stabilisers(stabiliser or "re-anchored", biped, gait.steps)
+        pairs = zip(gait.steps, chosen, strict=True)
+        return StepsInTurn([QpController(biped, step, settings, by) for step, by in pairs]), chosen[0].name
+    stabiliser = stabiliser or "adaptive"
+    by = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
+    return QpController(biped, gait, settings, by), by.name
 
 
 def _under(own: object, biped: FrontalBiped, start: State, settings: SimulationSettings, **options: Any) -> Trajectory:
@@ -124,7 +138,7 @@ def _under(own: object, biped: FrontalBiped, start: State, settings: SimulationS
     return walk_sensed(biped, cast("Tickable", own), start, sampled, **options)
 
 
-def start_state(gait: Gait, speed_error: float = 0.0) -> State:
+def start_state(gait: AnyGait, speed_error: float = 0.0) -> State:
     """State on the periodic orbit right after an impact, all speeds off by a relative error."""
     q, dq = gait.state_after_impact()
     return State(q, (1.0 + speed_error) * dq)
@@ -132,7 +146,7 @@ def start_state(gait: Gait, speed_error: float = 0.0) -> State:
 
 def walk(
     biped: FrontalBiped,
-    gait: Gait,
+    gait: AnyGait,
     *,
     engine: str = "mujoco",
     steps: int = 20,
@@ -176,7 +190,7 @@ def walk(
 
 def _walked(
     biped: FrontalBiped,
-    gait: Gait,
+    gait: AnyGait,
     engine: str,
     settings: SimulationSettings,
     speed_error: float,
@@ -206,7 +220,7 @@ def _walked(
 ENGINES: dict[str, Callable[..., Trajectory]] = {"ours": walk_sensed, "mujoco": walk_in_mujoco}
 
 
-def sampled_settings(gait: Gait, period: float | None, **changes: Any) -> ControllerSettings:
+def sampled_settings(gait: AnyGait, period: float | None, **changes: Any) -> ControllerSettings:
     """Limits of the gait's specification, and with a period the gains of `sampled_frequency`.
 
     Args:
@@ -214,5 +228,5 @@ def sampled_settings(gait: Gait, period: float | None, **changes: Any) -> Contro
         period: control period [s]; None: continuous control.
         changes: other fields of the settings.
     """
-    settings = replace(ControllerSettings.for_gait(gait), **changes)
+    settings = replace(ControllerSettings.for_gait(steps_in_turn(gait)[0]), **changes)
     return settings if period is None else replace(settings, frequency=sampled_frequency(period))

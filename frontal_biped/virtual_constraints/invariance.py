@@ -154,10 +154,40 @@ def complete(biped: FrontalBiped, free: FreeParameters, begin: StepBegin | None 
     """
     q_minus = double_support_pose(biped, free.beta_impact, free.step_width)
     if begin is None:
-        begin = StepBegin(q_minus, impact(biped, q_minus, final_falling_slope(free, q_minus)).slope)
+        begin = step_end(biped, free)
     rising = rising_parameters(free, *begin)
     falling = falling_parameters(free, q_minus, rising)
     return _phase(rising), _phase(falling)
+
+
+def complete_in_turn(
+    biped: FrontalBiped, a: FreeParameters, b: FreeParameters
+) -> tuple[tuple[Phase, Phase], tuple[Phase, Phase]]:
+    """Phases of two steps that follow each other, hybrid invariance built in: either begins as the other has landed.
+
+    Args:
+        biped: the robot.
+        a: what is free of step A, which ends with the ankles ``a.step_width`` apart.
+        b: what is free of step B.
+
+    Returns:
+        Rising and falling phase of A, and of B. Equal parameters give twice what `complete` gives.
+
+    Raises:
+        UnreachablePoseError: a final pose does not exist.
+    """
+    after_a, after_b = step_end(biped, a), step_end(biped, b)
+    return complete(biped, a, after_b), complete(biped, b, after_a)
+
+
+def step_end(biped: FrontalBiped, free: FreeParameters) -> StepBegin:
+    """What a step leaves to the next one.
+
+    Raises:
+        UnreachablePoseError: the final pose does not exist.
+    """
+    q_minus = double_support_pose(biped, free.beta_impact, free.step_width)
+    return StepBegin(q_minus, impact(biped, q_minus, final_falling_slope(free, q_minus)).slope)
 
 
 def _phase(parameters: PhaseParameters) -> Phase:
@@ -165,8 +195,17 @@ def _phase(parameters: PhaseParameters) -> Phase:
     return Phase(float(start), float(end), np.asarray(joints), np.asarray(fri))
 
 
-def invariance_residuals(biped: FrontalBiped, rising: Phase, falling: Phase, step_width: float) -> dict[str, float]:
+def invariance_residuals(
+    biped: FrontalBiped, rising: Phase, falling: Phase, step_width: float, following: Phase | None = None
+) -> dict[str, float]:
     """How far two phases are from hybrid invariance; all zero on an invariant gait.
+
+    Args:
+        biped: the robot.
+        rising: the rising phase.
+        falling: the falling phase.
+        step_width: distance between the ankles where it ends [m].
+        following: rising phase that the next step begins with; default: the same again, as in a gait.
 
     Returns:
         Largest absolute residual of: final pose (both feet flat, ``step_width`` apart) [m, rad], pose and slope at
@@ -177,6 +216,7 @@ def invariance_residuals(biped: FrontalBiped, rising: Phase, falling: Phase, ste
         rising.motion(np.array([rising.beta_start, rising.beta_end])),
         falling.motion(np.array([falling.beta_start, falling.beta_end])),
     )
+    begun = start if following is None else following.motion(np.array([following.beta_start]))
     q_minus = end.q[1]
     landing = impact(biped, q_minus, end.dq[1])
     inner, outer = biped.swing_sole(q_minus)
@@ -188,8 +228,8 @@ def invariance_residuals(biped: FrontalBiped, rising: Phase, falling: Phase, ste
 
     return {
         "final_pose": float(np.max(np.abs(feet))),
-        "impact_pose": float(np.max(np.abs(landing.q_plus - start.q[0]))),
-        "impact_slope": relative(start.dq[0, 1:], landing.slope),
+        "impact_pose": float(np.max(np.abs(landing.q_plus - begun.q[0]))),
+        "impact_slope": relative(begun.dq[0, 1:], landing.slope),
         "reversal_pose": float(np.max(np.abs(start.q[1] - end.q[0]))),
         "reversal_slope": relative(end.dq[0], start.dq[1]),
         "reversal_fri": float(abs(start.p_fri[1] - end.p_fri[0])),

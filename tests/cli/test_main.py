@@ -389,18 +389,30 @@ def _edited(gait_file: Path, folder: Path, edit) -> Path:
 
 
 BAD_GAITS = {
-    "wrong Bezier shape": (lambda g: g["rising"]["joint_bezier"].pop(), r"rising.joint_bezier has shape \(2, 6\)"),
-    "ragged Bezier": (lambda g: g["rising"]["joint_bezier"][0].pop(), "rising.joint_bezier is not an array"),
+    "wrong Bezier shape": (
+        lambda g: g["steps"][0]["rising"]["joint_bezier"].pop(),
+        r"rising.joint_bezier has shape \(2, 6\)",
+    ),
+    "ragged Bezier": (
+        lambda g: g["steps"][0]["rising"]["joint_bezier"][0].pop(),
+        "rising.joint_bezier is not an array",
+    ),
     "NaN": (
-        lambda g: g["falling"]["fri_bezier"].__setitem__(0, float("nan")),
+        lambda g: g["steps"][0]["falling"]["fri_bezier"].__setitem__(0, float("nan")),
         "fri_bezier holds nan.*not a finite number",
     ),
-    "text for number": (lambda g: g.__setitem__("step_width", "wide"), "step_width = 'wide' is not a finite number"),
+    "text for number": (
+        lambda g: g["steps"][0].__setitem__("step_width", "wide"),
+        "step_width = 'wide' is not a finite number",
+    ),
     "unknown field": (lambda g: g.__setitem__("stepwidth", 0.3), "unknown field 'stepwidth'"),
-    "missing field": (lambda g: g.pop("orbit"), "'orbit' is missing"),
+    "missing field": (lambda g: g["steps"][0].pop("orbit"), r"orbit' is missing"),
     "other format": (lambda g: g.__setitem__("format", "x"), "not a gait file"),
     "other version": (lambda g: g.__setitem__("version", 99), '"version" is 99'),
-    "rising downwards": (lambda g: g["rising"].__setitem__("beta_end", -2.0), "beta_start must be below beta_end"),
+    "rising downwards": (
+        lambda g: g["steps"][0]["rising"].__setitem__("beta_end", -2.0),
+        "beta_start must be below beta_end",
+    ),
 }
 
 

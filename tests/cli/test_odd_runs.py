@@ -164,7 +164,7 @@ def test_the_robot_of_another_run(spatial, tmp_path, capsys):
     assert "4 joints, g1 moves" in outcome(run, tmp_path, capsys, *CSV)
 
 
-@pytest.mark.parametrize("key", ["version", "robot", "rising", "orbit", "step_width", "specification"])
+@pytest.mark.parametrize("key", ["version", "robot", "steps", "specification"])
 def test_a_gait_that_is_none_is_complained_of_under_the_name_of_the_run(planar, tmp_path, capsys, key):
     for value in (None, [], "x", {"a": 1}):
         run = replace(planar, gait={**planar.gait, key: value})

@@ -73,12 +73,14 @@ class TestRoundTrip:
     def test_layout_of_the_file(self, gait_file, biped):
         content = json.loads(gait_file.read_text(encoding="utf-8"))
         assert list(content) == [
-            "format", "version", "robot", "rising", "falling", "step_width", "orbit", "specification", "provenance",
+            "format", "version", "robot", "steps", "specification", "provenance",
         ]  # fmt: skip
-        assert (content["format"], content["version"]) == ("frontal-biped-gait", 1)
+        assert (content["format"], content["version"]) == ("frontal-biped-gait", 2)
         assert content["robot"]["fingerprint"] == biped.fingerprint
-        assert len(content["rising"]["joint_bezier"]) == 3
-        assert set(content["orbit"]) == {
+        (step,) = content["steps"]
+        assert list(step) == ["rising", "falling", "step_width", "orbit"]
+        assert len(step["rising"]["joint_bezier"]) == 3
+        assert set(step["orbit"]) == {
             "beta_dot_after_impact", "zeta_f_star", "step_duration", "cost", "multiplier",
         }  # fmt: skip
         assert {"versions", "seed", "solver", "residuals"} <= set(content["provenance"])
@@ -160,10 +162,22 @@ class TestAtomic:
         assert load_gait(path).orbit == reference_gait.orbit
 
 
+STEP = ("rising", "falling", "step_width", "orbit")
+"""Fields of a step, in version 1 beside the others."""
+
+
+def of_version_1(content):
+    """The same content as version 1 wrote it."""
+    (step,) = content.pop("steps")
+    return {**content, "version": 1, **step}
+
+
 def edit(*keys, value=None, remove=False):
-    """A change deep in the content of a gait file."""
+    """A change deep in the content of a gait file, of either version."""
 
     def change(content):
+        if keys[0] in STEP and "steps" in content:
+            content = content["steps"][0]
         for key in keys[:-1]:
             content = content[key]
         if remove:
@@ -180,7 +194,7 @@ NUMBERS = [0.0, 0.1, 0.2, 0.3]
 MALFORMED = {
     "another format": (edit("format", value="gait"), ("format", "frontal-biped-gait")),
     "no format": (edit("format", remove=True), ("format",)),
-    "later version": (edit("version", value=2), ("version", "2", "1")),
+    "later version": (edit("version", value=3), ("version", "3", "1 and 2")),
     "version as text": (edit("version", value="1"), ("version", "'1'")),
     "version as a truth value": (edit("version", value=True), ("version", "True")),
     "unknown field": (edit("colour", value="red"), ("colour", "known fields")),
@@ -257,15 +271,48 @@ def refusal(path):
     return message
 
 
+@pytest.mark.parametrize("version", [1, 2])
 @pytest.mark.parametrize("case", MALFORMED)
-def test_malformed_file(gait_file, case):
+def test_malformed_file(gait_file, case, version):
     change, words = MALFORMED[case]
     content = json.loads(gait_file.read_text(encoding="utf-8"))
+    if version == 1:
+        content = of_version_1(content)
     change(content)
     gait_file.write_text(json.dumps(content), encoding="utf-8")
     message = refusal(gait_file)
     for word in words:
         assert re.search(re.escape(word), message), f"{word!r} is not in {message!r}"
+
+
+MALFORMED_LISTS = {
+    "no list": ({}, ("'steps'", "list")),
+    "nothing in it": ([], ("'steps'", "one step or of two")),
+    "three": ([1, 2, 3], ("'steps'", "one step or of two")),
+    "no object": ([3], ("steps[0] = 3", "object")),
+    "null": (None, ("'steps'",)),
+}
+
+
+@pytest.mark.parametrize("case", MALFORMED_LISTS)
+def test_malformed_list_of_steps(gait_file, case):
+    value, words = MALFORMED_LISTS[case]
+    content = json.loads(gait_file.read_text(encoding="utf-8"))
+    gait_file.write_text(json.dumps(content | {"steps": value}), encoding="utf-8")
+    message = refusal(gait_file)
+    for word in words:
+        assert word in message
+
+
+def test_version_1_says_the_same(reference_gait, gait_file):
+    content = json.loads(gait_file.read_text(encoding="utf-8"))
+    gait_file.write_text(json.dumps(of_version_1(content)), encoding="utf-8")
+    loaded = load_gait(gait_file)
+    assert loaded.orbit == reference_gait.orbit
+    assert loaded.specification == reference_gait.specification
+    assert loaded.rising.joint_bezier.tobytes() == reference_gait.rising.joint_bezier.tobytes()
+    assert loaded.falling.fri_bezier.tobytes() == reference_gait.falling.fri_bezier.tobytes()
+    assert loaded.step_width == reference_gait.step_width
 
 
 @pytest.mark.parametrize("content", ["", "{", "[]", "3", "null", '"gait"', "not json", "[" * 100_000])

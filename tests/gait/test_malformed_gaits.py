@@ -10,12 +10,17 @@ from hypothesis import strategies as st
 
 from frontal_biped.cli import main
 from frontal_biped.exceptions import GaitFileError, SpecificationError
-from frontal_biped.gait.file import load_gait, save_gait
+from frontal_biped.gait.file import load_any_gait, load_gait, save_gait
 from frontal_biped.gait.ranges import GAIT, MOST_COEFFICIENTS, SPECIFICATION
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model import models_dir
 
-CONTENT = json.loads((Path(__file__).parents[1] / "data" / "gait.json").read_text(encoding="utf-8"))
+DATA = Path(__file__).parents[1] / "data"
+CONTENT = json.loads((DATA / "gait.json").read_text(encoding="utf-8"))
+"""Of version 1: one step."""
+
+SIDEWAYS = json.loads((DATA / "sideways.gait.json").read_text(encoding="utf-8"))
+"""Of version 2: two steps."""
 
 LONGEST_LINE = 1500
 """Characters of a complaint; a path may have some hundreds."""
@@ -39,8 +44,8 @@ def places(content, before=()):
 PLACES = list(places(CONTENT))
 
 
-def changed(place, value):
-    content = copy.deepcopy(CONTENT)
+def changed(place, value, of=CONTENT):
+    content = copy.deepcopy(of)
     part = content
     for key in place[:-1]:
         part = part[key]
@@ -52,8 +57,8 @@ def read_or_refused(path, text) -> str:
     """What is said; "" of a file that is accepted."""
     path.write_text(text, encoding="utf-8")
     try:
-        save_gait(load_gait(path), path)
-        repr(load_gait(path))
+        save_gait(load_any_gait(path), path)
+        repr(load_any_gait(path))
     except GaitFileError as error:
         message = str(error)
         assert message.startswith(str(path))
@@ -63,7 +68,11 @@ def read_or_refused(path, text) -> str:
     return ""
 
 
-one_change = st.builds(changed, st.sampled_from(PLACES), st.sampled_from(VALUES) | st.floats())
+values = st.sampled_from(VALUES) | st.floats()
+one_change = st.one_of(
+    st.builds(changed, st.sampled_from(PLACES), values),
+    st.builds(changed, st.sampled_from(list(places(SIDEWAYS))), values, st.just(SIDEWAYS)),
+)
 quiet = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
@@ -86,13 +95,13 @@ def test_many_values_changed(tmp_path, content):
 @settings(quiet, max_examples=2000)
 @given(st.data())
 def test_bytes_changed(tmp_path, data):
-    text = bytearray(json.dumps(CONTENT).encode())
+    text = bytearray(json.dumps(data.draw(st.sampled_from([CONTENT, SIDEWAYS]))).encode())
     for _ in range(data.draw(st.integers(1, 4))):
         text[data.draw(st.integers(0, len(text) - 1))] = data.draw(st.integers(0, 255))
     path = tmp_path / "gait.json"
     path.write_bytes(bytes(text))
     try:
-        load_gait(path)
+        load_any_gait(path)
     except GaitFileError as error:
         assert str(error).isprintable() and len(str(error)) < LONGEST_LINE
 

@@ -27,6 +27,7 @@ from frontal_biped.control.walker.phase_machine import PhaseMachine, PhaseSettin
 from frontal_biped.control.walker.state_estimator import StateEstimator
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.sideways import AnyGait, SidewaysGait, steps_in_turn
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
@@ -47,7 +48,7 @@ class Walker:
 
     Args:
         biped: the robot as the walker believes it to be.
-        gait: what to walk.
+        gait: what to walk; the first of two steps in turn belongs to the foot that stands where the walker is reset.
         period: time between readings [s].
         settings: gains and limits; default: the gait's friction and normal force, the robot's own torque limits, and
             the gains of `sampled_frequency`.
@@ -73,7 +74,7 @@ class Walker:
     def __init__(
         self,
         biped: FrontalBiped,
-        gait: Gait,
+        gait: AnyGait,
         *,
         period: float = 1e-3,
         settings: ControllerSettings | None = None,
@@ -89,15 +90,18 @@ class Walker:
         self._on_the_way = round(delay / period)
         if self._on_the_way < 0 or abs(self._on_the_way * period - delay) > 1e-6 * period:
             raise SimulationError(f"a delay of {delay:g} s is no multiple of the period of {period:g} s; make it one")
+        first = steps_in_turn(gait)[0]
         if settings is None:
-            limits = ControllerSettings.for_gait(gait)
+            limits = ControllerSettings.for_gait(first)
             settings = replace(limits, max_torque=None, frequency=sampled_frequency(period))
         self.over = _phase_variable(biped, gait, over, stabiliser, settings.outputs)
         if stabiliser is None:
             alone = energy is None  # otherwise the energy law sees to the speed, and the transitions to the loads
-            stabiliser = ReanchoringTransitions(biped, gait, anticipate=alone, rejoin=alone)
-        chosen = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
-        self.controller = QpController(biped, gait, settings, chosen)
+            stabiliser = ReanchoringTransitions(biped, first, anticipate=alone, rejoin=alone)
+        elif isinstance(stabiliser, str):
+            assert isinstance(gait, Gait)  # two steps in turn are followed over the sway, without a stabiliser
+            stabiliser = make_stabiliser(stabiliser, biped, gait)
+        self.controller = QpController(biped, first, settings, stabiliser)
         self.estimator = StateEstimator(biped, period, estimator, delay)
         self._law: OverSway | OverAnkle
         if self.over == "sway":
@@ -106,6 +110,7 @@ class Walker:
             self._law = OverSway(biped, self.controller, law)
             self.phases = PhaseMachine(period, phases or PhaseSettings(rate=TURNED))
         else:
+            assert isinstance(gait, Gait)
             kept = None if energy is None else EnergyLaw(biped, gait, period, energy)
             self._law = OverAnkle(self.controller, kept, period, settle)
             self.phases = PhaseMachine(period, phases)
@@ -168,13 +173,14 @@ class Walker:
 
 
 def _phase_variable(
-    biped: FrontalBiped, gait: Gait, over: str | None, stabiliser: Stabiliser | str | None, outputs: str
+    biped: FrontalBiped, gait: AnyGait, over: str | None, stabiliser: Stabiliser | str | None, outputs: str
 ) -> str:
     """The phase variable: what was asked for, or what suits."""
     if over is not None and over not in PHASE_VARIABLES:
         raise SimulationError(f"no phase variable {over!r}; known: {', '.join(PHASE_VARIABLES)}")
     plain = stabiliser is None and outputs == "linearising"
-    sways = plain and over != "ankle" and runs_one_way(biped, (gait.rising, gait.falling))
+    phases = [phase for step in steps_in_turn(gait) for phase in (step.rising, step.falling)]
+    sways = plain and over != "ankle" and runs_one_way(biped, phases)
     if over == "sway" and not plain:
         raise SimulationError(
             "stabilisers and control Lyapunov functions act over the ankle's angle; leave them, or write over = 'ankle'"
@@ -183,5 +189,10 @@ def _phase_variable(
         raise SimulationError(
             f"{biped.name}: the centre of mass does not move outwards all along the rising phase of this gait, and back"
             " along the falling one; write over = 'ankle'"
+        )
+    if isinstance(gait, SidewaysGait) and not sways:
+        raise SimulationError(
+            "two steps in turn are followed over the sway alone, without a stabiliser or a control Lyapunov function,"
+            " and the centre of mass must run one way along each phase; leave these, or walk it with period=None"
         )
     return "sway" if sways else "ankle"

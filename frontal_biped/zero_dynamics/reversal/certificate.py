@@ -64,6 +64,21 @@ class Condition:
     error: float
     where: float
 
+    def __str__(self) -> str:
+        return (
+            f"{self.verdict.value}; largest {self.largest:.4g} at {self.where:.5f} rad, must stay below {self.bound:g}"
+        )
+
+
+def told_count(found: ZeroCount) -> str:
+    """A count in one line."""
+    places = ", ".join(f"{zero.place:.7f}" for zero in found.zeros) or "none"
+    region = " and ".join(f"[{a:.5f}, {b:.5f}]" for a, b in found.region) or "nowhere"
+    return (
+        f"exists: {found.existence.value}, unique: {found.uniqueness.value}; zeros {places} rad"
+        f" on {region}, error bound {found.error:.1e}"
+    )
+
 
 @dataclass(frozen=True)
 class ReversalCertificate:
@@ -118,23 +133,11 @@ class ReversalCertificate:
 
     def rows(self) -> list[tuple[str, str]]:
         """(name, text) for a report."""
-
-        def count(found: ZeroCount) -> str:
-            places = ", ".join(f"{zero.place:.7f}" for zero in found.zeros) or "none"
-            region = " and ".join(f"[{a:.5f}, {b:.5f}]" for a, b in found.region) or "nowhere"
-            return (
-                f"exists: {found.existence.value}, unique: {found.uniqueness.value}; zeros {places} rad"
-                f" on {region}, error bound {found.error:.1e}"
-            )
-
-        def condition(c: Condition) -> str:
-            return f"{c.verdict.value}; largest {c.largest:.4g} at {c.where:.5f} rad, must stay below {c.bound:g}"
-
         return [
-            ("Z(beta; b), b fixed", count(self.fixed)),
-            ("Z(beta; b(beta))", count(self.self_consistent)),
-            ("condition (a) drive < 0", condition(self.condition_a)),
-            ("condition (b) m r < 1", condition(self.condition_b)),
+            ("Z(beta; b), b fixed", told_count(self.fixed)),
+            ("Z(beta; b(beta))", told_count(self.self_consistent)),
+            ("condition (a) drive < 0", str(self.condition_a)),
+            ("condition (b) m r < 1", str(self.condition_b)),
             (
                 "successive approximation",
                 f"converges: {self.successive_approximation_converges.value}; contraction {self.contraction:.6f}"
@@ -217,10 +220,11 @@ def _conditions(
     region = list(count.region)
     # (a) is about the rising phase alone, from its start on
     whole = [(problem.bracket[0], region[-1][1])] if region else []
-    return _below(drive, whole, 0.0), _below(product, region, 1.0)
+    return stays_below(drive, whole, 0.0), stays_below(product, region, 1.0)
 
 
-def _below(function: Callable[[float], float], region: list[tuple[float, float]], bound: float) -> Condition:
+def stays_below(function: Callable[[float], float], region: list[tuple[float, float]], bound: float) -> Condition:
+    """Does a function stay below a bound on intervals?"""
     largest, where, error, complete = -np.inf, float("nan"), 0.0, bool(region)
     for a, b in region:
         pieces, failed = fit(function, a, b, 1e-6)

@@ -18,7 +18,12 @@ from scipy.optimize import brentq
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.numerics.verdict import Verdict
 from frontal_biped.zero_dynamics.reversal.bracket import ROOT_TOLERANCE
-from frontal_biped.zero_dynamics.reversal.problem import BalanceFunction, ReversalProblem, energy_balance
+from frontal_biped.zero_dynamics.reversal.problem import (
+    BalancedProblem,
+    BalanceFunction,
+    ReversalProblem,
+    energy_balance,
+)
 from frontal_biped.zero_dynamics.reversal.zeros import REGULAR, count_zeros
 
 AT_THE_PLAN = 1e-9
@@ -88,7 +93,7 @@ def analyse_reversal(problem: ReversalProblem) -> ReversalAnalysis:
     nan = float("nan")
     if existence is not Verdict.CERTIFIED:
         return ReversalAnalysis((low, high), problem.planned, existence, at_the_plan, nan, (nan, nan), nan, nan, nan)
-    beta = _place(problem, balance, sign_change)
+    beta = zero_between(problem, balance, sign_change)
     step = problem.step(beta, problem.planned)
     at = energy_balance(step)
     # kappa_2 = -m g (p_cm_h - p_FRI)
@@ -120,7 +125,7 @@ class FoundReversal(NamedTuple):
     sign_change: tuple[float, float]
 
 
-def find_reversal(problem: ReversalProblem, balance: BalanceFunction, low: float, high: float) -> FoundReversal:
+def find_reversal(problem: BalancedProblem, balance: BalanceFunction, low: float, high: float) -> FoundReversal:
     """Look beside the planned reversal, and where there is no zero, on the whole region around it.
 
     Args:
@@ -136,7 +141,7 @@ def find_reversal(problem: ReversalProblem, balance: BalanceFunction, low: float
     return FoundReversal(existence, found.at_the_plan, sign_change)
 
 
-def _beside_the_plan(problem: ReversalProblem, balance: BalanceFunction) -> FoundReversal:
+def _beside_the_plan(problem: BalancedProblem, balance: BalanceFunction) -> FoundReversal:
     nowhere = (float("nan"), float("nan"))
     own, finer = (balance(problem.planned, size) for size in (problem.nodes, 2 * problem.nodes))
     if not np.isfinite(own.surplus) or not np.isfinite(finer.surplus):
@@ -156,7 +161,7 @@ def _beside_the_plan(problem: ReversalProblem, balance: BalanceFunction) -> Foun
 
 
 def _anywhere(
-    problem: ReversalProblem, balance: BalanceFunction, low: float, high: float
+    problem: BalancedProblem, balance: BalanceFunction, low: float, high: float
 ) -> tuple[Verdict, tuple[float, float]]:
     """Is there a zero on the interval around the planned point, and what encloses the one nearest to it?"""
     own = balance(problem.planned, problem.nodes)
@@ -170,7 +175,7 @@ def _anywhere(
     return Verdict.CERTIFIED, nearest.enclosure
 
 
-def _place(problem: ReversalProblem, balance: BalanceFunction, sign_change: tuple[float, float]) -> float:
+def zero_between(problem: BalancedProblem, balance: BalanceFunction, sign_change: tuple[float, float]) -> float:
     """The zero between two points."""
 
     @cache

@@ -17,7 +17,7 @@ angle are made of it:
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -60,6 +60,25 @@ UNDEFINED = EnergyBalance(_NOT_DEFINED, -np.inf, *(5 * [_NOT_DEFINED]))
 
 BalanceFunction = Callable[[float, int], EnergyBalance]
 """E at a beta [rad], on a number of quadrature nodes a phase."""
+
+
+class BalancedProblem(Protocol):
+    """What counting the zeros of a balance needs to know of the problem that it belongs to."""
+
+    @property
+    def nodes(self) -> int:
+        """Quadrature nodes a phase."""
+
+    @property
+    def planned(self) -> float:
+        """The planned reversal [rad]."""
+
+    @property
+    def length(self) -> float:
+        """Range of the planned rising phase, the scale of all steps [rad]."""
+
+    def balance(self, beta: float) -> EnergyBalance:
+        """The balance at a reversal [rad]."""
 
 
 def energy_balance(step: StepOrbit) -> EnergyBalance:

@@ -8,7 +8,12 @@ from scipy.optimize import brentq
 
 from frontal_biped.numerics.chebyshev import Fit, Zero, fit, zeros
 from frontal_biped.numerics.verdict import Verdict
-from frontal_biped.zero_dynamics.reversal.problem import BalanceFunction, EnergyBalance, ReversalProblem
+from frontal_biped.zero_dynamics.reversal.problem import (
+    BalancedProblem,
+    BalanceFunction,
+    EnergyBalance,
+    ReversalProblem,
+)
 
 REGULAR = 0.02
 """Share of the smallest I_P of the gait's own step below which a step counts as outside the region."""
@@ -89,7 +94,7 @@ def count_gaits(problem: ReversalProblem) -> ZeroCount:
 
 
 def count_zeros(
-    function: BalanceFunction, low: float, high: float, problem: ReversalProblem, floor: float, connected: bool = False
+    function: BalanceFunction, low: float, high: float, problem: BalancedProblem, floor: float, connected: bool = False
 ) -> tuple[ZeroCount, list[Fit], dict[float, EnergyBalance]]:
     """Count the zeros of E on the regular region.
 
@@ -168,7 +173,7 @@ def _others(zeros_: list[Zero], known: list[Zero]) -> list[Zero]:
 
 
 def _regular_region(
-    margin: Callable[[float], float], low: float, high: float, problem: ReversalProblem
+    margin: Callable[[float], float], low: float, high: float, problem: BalancedProblem
 ) -> list[tuple[float, float]]:
     """Intervals of the bracket on which the margin is not negative; its ends are left out by a hair."""
     steps = np.linspace(0.0, 1.0, REGION_POINTS + 2)[1:-1]

@@ -1,0 +1,204 @@
+"""The design problem of a gait that travels sideways: two different steps in turn, under C01 to C09.
+
+Pose and slope at all four transitions are eliminated, as in `problem`: either step begins with the landing of the
+other one. So is the travel, which leaves one step width. The two equalities that are left are the energy balances at
+the two impacts, with both reversals as decision variables. Everything of one step is `DesignProblem`'s.
+"""
+
+from collections.abc import Mapping
+from typing import cast
+
+import numpy as np
+
+from frontal_biped.arrays import FloatArray
+from frontal_biped.design.forward_mode import Dual, independent
+from frontal_biped.design.problem import (
+    FLOOR_Z,
+    LEAST_TIGHTENING,
+    RESTORATIONS,
+    WORKABLE,
+    DesignProblem,
+    Evaluation,
+    above_floor,
+    weighted_torques,
+)
+from frontal_biped.design.rows import MarginLayout, lay_out
+from frontal_biped.design.trust_region_sqp import largest_violation
+from frontal_biped.design.two_step_start import carried_over
+from frontal_biped.design.variables import STEP_WIDTH
+from frontal_biped.exceptions import UnreachablePoseError
+from frontal_biped.gait.constraints import STEP_WIDTH as WIDTH_CONSTRAINT
+from frontal_biped.gait.constraints import Constraint
+from frontal_biped.gait.specification import GaitSpecification
+from frontal_biped.gait.two_step_constraints import TwoPhases, two_step_constraints
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.virtual_constraints.invariance import StepBegin, complete_in_turn
+from frontal_biped.zero_dynamics.two_steps import TwoSteps
+
+
+class TwoStepProblem:
+    """Objective, constraints, bounds and start of one design.
+
+    Its variables (2 P - 1,) are those of step B in the order of `VariableLayout`, then those of step A without its
+    step width, which is B's and the travel.
+
+    Args:
+        biped: the robot.
+        specification: degrees, bounds and travel.
+        size: quadrature nodes a phase.
+        tighten_by: distance that every scaled constraint keeps from its bound.
+    """
+
+    def __init__(
+        self, biped: FrontalBiped, specification: GaitSpecification, size: int, tighten_by: float = 0.0
+    ) -> None:
+        self.biped, self.specification, self.tighten_by = biped, specification, tighten_by
+        self.travel = specification.travel or 0.0
+        self.step = DesignProblem(biped, specification, size)
+        P = self.step.size
+        self.size = 2 * P - 1
+        self._of_b = np.arange(P)
+        self._of_a = np.insert(np.arange(P, self.size), STEP_WIDTH, STEP_WIDTH)
+        self._tightened: dict[tuple[str, str], float] = {}
+        self._margins: MarginLayout | None = None
+
+    def on_nodes(self, size: int, tighten_by: float = 0.0) -> "TwoStepProblem":
+        """The same problem on ``size`` quadrature nodes a phase, tightened by no more than ``tighten_by``."""
+        return TwoStepProblem(self.biped, self.specification, size, tighten_by)
+
+    @property
+    def nodes(self) -> int:
+        """Quadrature nodes a phase."""
+        return self.step.rule.tau.size
+
+    # ------------------------------------------------------------------ variables
+    def split(self, x: FloatArray, travel: float | None = None) -> tuple[FloatArray, FloatArray]:
+        """Variables (P,) of step A and of step B, of a travel [m]; default: the problem's."""
+        wider = np.zeros(self.step.size)
+        wider[STEP_WIDTH] = self.travel if travel is None else travel
+        return x[self._of_a] + wider, x[self._of_b]
+
+    def widths(self, x: FloatArray) -> tuple[float, float]:
+        """Distance between the ankles where step A, where step B lands [m]."""
+        narrow = float(x[STEP_WIDTH])
+        return narrow + self.travel, narrow
+
+    def joined(self, a: FloatArray, b: FloatArray) -> FloatArray:
+        """Variables (2 P - 1,) of steps whose widths are as much apart as they can be made by moving both alike."""
+        b = b.copy()
+        b[STEP_WIDTH] = 0.5 * (a[STEP_WIDTH] - self.travel + b[STEP_WIDTH])
+        return np.concatenate([b, np.delete(a, STEP_WIDTH)])
+
+    def scale(self) -> FloatArray:
+        """(2 P - 1,) changes of the variables that matter alike."""
+        scale = self.step.scale()
+        return np.concatenate([scale, np.delete(scale, STEP_WIDTH)])
+
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Lower and upper bounds (2 P - 1,) of the variables; of each step those of `DesignProblem`."""
+        low, high = (np.concatenate([bound, np.delete(bound, STEP_WIDTH)]) for bound in self.step.bounds())
+        high[STEP_WIDTH] = max(high[STEP_WIDTH] - self.travel, low[STEP_WIDTH])  # but for rounding
+        return low, high
+
+    def start(self) -> FloatArray:
+        """Default start (2 P - 1,): that of one step, twice, carried over to the travel."""
+        return self.twice(self.step.start())
+
+    def twice(self, x: FloatArray) -> FloatArray:
+        """Variables (2 P - 1,) of one step (P,), twice, carried over to the travel."""
+        return self.carried(np.concatenate([x, np.delete(x, STEP_WIDTH)]), 0.0)
+
+    def carried(self, x: FloatArray, travel: float) -> FloatArray:
+        """Variables of another travel [m], carried over to this one; see `two_step_start`.
+
+        Raises:
+            UnreachablePoseError: the feet cannot stand so.
+        """
+        low, high = self.bounds()
+        narrow = x[STEP_WIDTH] + 0.5 * (travel - self.travel)
+        narrow = float(np.clip(narrow, low[STEP_WIDTH], high[STEP_WIDTH]))
+        a, b = (self.step.unpack(one) for one in self.split(x, travel))
+        a, b = carried_over(self.biped, (a, b), (narrow + self.travel, narrow))
+        layout = self.step.layout
+        return np.clip(self.joined(layout.pack(a), layout.pack(b)), low, high)
+
+    def restored(self, x: FloatArray) -> FloatArray:
+        """The point itself, or where the formulas have no value there, one on the way to the default start."""
+        start = self.start()
+        for _ in range(RESTORATIONS):
+            try:
+                point = self.evaluate(x)
+                if np.isfinite(point.cost) and largest_violation(point) < WORKABLE:
+                    return x
+            except UnreachablePoseError:
+                pass
+            x = 0.5 * (x + start)
+        return start
+
+    # ------------------------------------------------------------------ evaluation
+    # a point without an orbit has roots of negative numbers; it is told by its values, not by warnings
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")
+    def evaluate(self, x: FloatArray) -> Evaluation:
+        """Objective and constraints at x (2 P - 1,), with exact derivatives."""
+        both = self.split(cast("FloatArray", independent(x)))
+        free, poses, landings = zip(*(self.step.landing(cast("Dual", one)) for one in both), strict=True)
+        begins = [StepBegin(pose, landing.slope) for pose, landing in zip(poses, landings, strict=True)]
+        (a, soles_a, surplus_a), (b, soles_b, surplus_b) = (
+            self.step.step_from(begins[1 - i], free[i], poses[i], landings[i]) for i in range(2)
+        )
+        steps = TwoSteps(a, b)
+        lifted = TwoSteps(
+            *(step._replace(rising=above_floor(step.rising), falling=above_floor(step.falling)) for step in steps)
+        )
+        holding = (self.step.holding(lifted.a), self.step.holding(lifted.b))
+        found = two_step_constraints(self.biped, self.specification, lifted, (soles_a, soles_b), holding)
+        # the widths are one variable, bounded as such; the orbit itself must exist, whatever the floor says
+        constraints = [constraint for constraint in found if not constraint.name.endswith(WIDTH_CONSTRAINT)]
+        constraints += [
+            Constraint("", "orbit", "", orbit.z, FLOOR_Z, None, 10.0)
+            for step in steps
+            for orbit in (step.rising, step.falling)
+        ]
+        if self._margins is None:
+            self._margins = lay_out(constraints, self._distance)
+        layout = self._margins
+        values = cast("Dual", np.concatenate([constraint.values for constraint in constraints])).block[:, layout.picks]
+        equality = cast("Dual", np.concatenate([np.stack(steps.periodicity), *surplus_a, *surplus_b]))
+        # the mean of J is the sum of the squares of these
+        torques = np.sqrt(0.5) * np.concatenate(
+            [weighted_torques(orbit, step.step_width) for step in lifted for orbit in (step.rising, step.falling)]
+        )
+        residual, residual_jacobian = cast("Dual", torques).value, cast("Dual", torques).derivative.T
+        return Evaluation(
+            float(residual @ residual),
+            2.0 * residual @ residual_jacobian,
+            residual_jacobian,
+            equality.value / 0.1,
+            equality.derivative.T / 0.1,
+            (values[0] - layout.bound) * layout.factor,
+            (values[1:] * layout.factor).T,
+        )
+
+    def phases(self, x: FloatArray) -> TwoPhases:
+        """Phases of both steps at x (2 P - 1,).
+
+        Raises:
+            UnreachablePoseError: a final pose does not exist.
+        """
+        a, b = self.split(x)
+        return TwoPhases(*complete_in_turn(self.biped, self.step.unpack(a), self.step.unpack(b)))
+
+    # ------------------------------------------------------------------ tightening
+    def _distance(self, constraint: Constraint) -> float:
+        return self.tighten_by + self._tightened.get((constraint.code, constraint.name), 0.0)
+
+    def tighten(self, shortfall: Mapping[tuple[str, str], float]) -> None:
+        """Move bounds inwards by the scaled violations found between the nodes, as `DesignProblem.tighten`."""
+        for key, violation in shortfall.items():
+            self._tightened[key] = self._tightened.get(key, 0.0) + max(1.2 * violation, LEAST_TIGHTENING)
+        self._margins = None
+
+    @property
+    def tightened(self) -> bool:
+        """Has any bound been moved inwards?"""
+        return bool(self._tightened)
