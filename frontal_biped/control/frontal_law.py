@@ -19,6 +19,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.controller import SHIFT_ROOM
 from frontal_biped.control.interface import PhaseEvent
+from frontal_biped.control.landing_widths import LandingWidths
 from frontal_biped.control.torques.linearisation import Targets
 from frontal_biped.control.walker.energy_law import EnergySettings
 from frontal_biped.gait.gait import Gait
@@ -27,7 +28,7 @@ from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
 from frontal_biped.model.sway import Sway
 from frontal_biped.virtual_constraints.phase import StepPhase
-from frontal_biped.virtual_constraints.swayed import BegunPhase, SwayedPhase
+from frontal_biped.virtual_constraints.swayed import BegunPhase, OtherEnd, SwayedPhase
 from frontal_biped.zero_dynamics.sway_orbit import SwayOrbit
 
 LEARNED = 0.2
@@ -88,6 +89,8 @@ class FrontalLaw:
         orbit: energy and time of the gait over the sway.
         offset: of the FRI target while falling, for either stance foot [m].
         mid_fall: relative speed error half-way down of the last step, NaN before the first [-].
+        widths: landings wider or narrower than the gait's.
+        widening: how much wider than the gait's the present step is to land [m].
 
     Raises:
         SimulationError: the centre of mass turns back along a phase of the gait.
@@ -115,6 +118,7 @@ class FrontalLaw:
         # an offset over the upper half of the fall takes this much energy off, per metre
         self._energy_per_offset = 0.5 * self.orbit.ranges[StepPhase.FALLING] * self.orbit.omega**2
         self._sole = biped.sole
+        self.widths = LandingWidths(biped, gait)
         self.reset(Stance.LEFT)
 
     def reset(self, stance: Stance) -> None:
@@ -126,16 +130,20 @@ class FrontalLaw:
         self._stance, self._since = stance, 0.0
         self._until_settled = np.inf
         self._fallen = True  # the first step is not learned from: it began where it was put
+        self.widening = 0.0
 
-    def land(self, stance: Stance, sway: Sway, state: State) -> None:
+    def land(self, stance: Stance, sway: Sway, state: State, widening: float = 0.0) -> None:
         """A foot has landed: the rising phase begins.
 
         Args:
             stance: the foot.
             sway: after the impact, over that foot.
             state: stance coordinates after the impact.
+            widening: how much wider than the gait's this step is to land [m].
         """
-        self._stance, self._since, self._fallen = stance, 0.0, False
+        # of steps that begin or end at another width the energy half-way down is not the orbit's
+        self._fallen = bool(widening or self.widening)
+        self._stance, self._since, self.widening = stance, 0.0, widening
         self._until_settled = self.settings.settle or np.inf
         self._begin(StepPhase.RISING, sway, state.q[1:], state.dq[1:])
 
@@ -166,7 +174,7 @@ class FrontalLaw:
             # where the robot turns every rate is zero, and the phase before says with which slope it goes on
             self._until_settled = np.inf
             before = self._begun.at(sway.value)
-            self._begun = self._phases[phase].begun(sway.value, before.h_d, before.h_d1)
+            self._begun = self._phases[phase].begun(sway.value, before.h_d, before.h_d1, self._end(phase))
         assert self._begun is not None
         shift = self._shift(phase, sway, unexplained)
         if phase is StepPhase.FALLING:
@@ -181,7 +189,24 @@ class FrontalLaw:
 
     def _begin(self, phase: StepPhase, sway: Sway, pose: FloatArray, rates: FloatArray) -> None:
         slope = rates / sway.rate if abs(sway.rate) > SLOWEST else None
-        self._begun = self._phases[phase].begun(sway.value, pose, slope)
+        self._begun = self._phases[phase].begun(sway.value, pose, slope, self._end(phase))
+
+    def _end(self, phase: StepPhase) -> OtherEnd | None:
+        """Where a phase is to end, if not as planned."""
+        if phase is StepPhase.RISING or not self.widening:
+            return None
+        return OtherEnd(0.5 * self.widening, self.widths.pose_error(self.widening))
+
+    def left(self, phase: StepPhase, sway: Sway) -> float:
+        """Time left to the landing [s], from zero to 1.5 steps; a wider one comes later."""
+        left, orbit, further = self.orbit.left(phase, sway.value, sway.rate), self.orbit, 0.5 * self.widening
+        if not further:
+            return left
+        end = self._phases[StepPhase.FALLING].end
+        if left == 0.0:
+            return max(end + further - sway.value, 0.0) / max(sway.rate, SLOWEST)
+        speed = float(np.sqrt(2.0 * max(orbit.energy(StepPhase.FALLING, end + 0.5 * further), SLOWEST**2)))
+        return max(left + further / speed, 0.0)
 
     def _shift(self, phase: StepPhase, sway: Sway, unexplained: float) -> float:
         """How far the FRI target is moved for the energy [m]."""
