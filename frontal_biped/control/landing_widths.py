@@ -18,8 +18,8 @@ from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.invariance import double_support_pose
 
-WIDEST, POINTS = 0.12, 25
-"""Largest change of the width that is tabulated, if the legs reach that far [m], and number of widths."""
+WIDEST, POINTS = 0.12, 13
+"""Largest change of the width that is tabulated, if the legs reach that far [m], and number of widths to either side."""
 
 TURNED = 0.12
 """How far the stance ankle may be turned from the planned landing to find a pose [rad]."""
@@ -42,12 +42,14 @@ class LandingWidths:
         planned = gait.falling.motion(np.array([gait.falling.beta_end])).q[0]
         self.width = float(biped.joint_positions(planned)[-1, 0])
         sway = float(biped.com(planned)[0])
-        known = []
-        for change in np.linspace(-WIDEST, WIDEST, POINTS):
-            pose = _pose(biped, float(planned[0]), self.width + change, sway + 0.5 * change)
-            if pose is not None:
+        known = [(0.0, 0.0, 0.0, 0.0)]
+        for side in (-1.0, 1.0):
+            for change in side * np.linspace(0.0, WIDEST, POINTS)[1:]:
+                pose = _pose(biped, float(planned[0]), self.width + change, sway + 0.5 * change)
+                if pose is None:
+                    break
                 known.append((change, *(pose - planned)[1:]))
-        table = np.array(known)
+        table = np.array(sorted(known))
         self._changes, self._errors = table[:, 0], table[:, 1:]
         self.narrowest, self.widest = float(self._changes[0]), float(self._changes[-1])
 
