@@ -186,19 +186,21 @@ class SpatialWalker:
     def tick(self, reading: SpatialReading) -> SpatialCommand:
         """Torques for a reading, one period after the last."""
         event: PhaseEvent | None = None
+        self._estimate(reading)
         if self._lands(reading):
             event = PhaseEvent.LANDING
             self._land()
         return self._step(event)
 
     def _lands(self, reading: SpatialReading) -> bool:
-        """Estimate, and tell whether the swing foot has landed."""
-        estimator = self.estimator
-        if self._sent:
-            estimator.predict(self._sent[0])
-        estimator.correct(reading)
+        """Has the swing foot just landed, after `_estimate`?"""
         touches = reading.contact[1 if self.stance is Stance.LEFT else 0]
-        return self.phases.landing(touches, estimator.clearance(self.stance.other))
+        return self.phases.landing(touches, self.estimator.clearance(self.stance.other))
+
+    def _estimate(self, reading: SpatialReading) -> None:
+        if self._sent:
+            self.estimator.predict(self._sent[0])
+        self.estimator.correct(reading)
 
     def _seen(self) -> SpaceState:
         """The state at the time when the torques will act, in the heading frame."""
