@@ -15,12 +15,11 @@ from frontal_biped.control.path.follower import PathFollower
 from frontal_biped.control.path.pose import Pose
 from frontal_biped.control.spatial_walker.interface import SpatialCommand, SpatialReading
 from frontal_biped.control.spatial_walker.standing import StandingLaw, StandingSettings, Start
-from frontal_biped.control.spatial_walker.step_plan import stand_of
 from frontal_biped.control.spatial_walker.swing_path import MinimumJerk
 from frontal_biped.control.spatial_walker.walker import SpatialWalker
 from frontal_biped.control.whole_body.both_feet import BothFeetProgram, BothFeetTargets
 from frontal_biped.control.whole_body.targets import LegLength, Yaw
-from frontal_biped.model.space.virtual_legs import SpaceState, X, Y
+from frontal_biped.model.space.virtual_legs import YAW, SpaceState, X, Y
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.virtual_constraints.phase import StepPhase
 
@@ -38,7 +37,7 @@ class PathWalker(SpatialWalker):
         follower: of the path.
         standing: does it stand on both feet?
         both_feet: the program of double support.
-        odometry: where the robot believes to stand: the stand of its stance foot.
+        odometry: where the robot believes to be, by its own steps and the inertial unit.
     """
 
     follower: PathFollower
@@ -73,12 +72,11 @@ class PathWalker(SpatialWalker):
 
     @property
     def odometry(self) -> Pose:
-        """Where the robot believes to stand: the stand of its stance foot."""
-        return stand_of(self.stance, self._foot(), self.frontal.widths.width)
-
-    def _foot(self) -> Pose:
-        x, y, _ = self.estimator.foothold.tolist()
-        return Pose(x, y, self.plan.yaw)
+        """Middle between both soles and mean of where they look, as the robot believes."""
+        state = self.state.at(self.estimator.q, self.estimator.v, self.plan.heading)
+        x, y, _ = state.to_world(0.5 * sum(foot.position for foot in state.feet.values())).tolist()
+        turned = 0.5 * sum(float(foot.turning.angles[YAW]) for foot in state.feet.values())
+        return Pose(x, y, self.plan.heading + turned)
 
     def tick(self, reading: SpatialReading) -> SpatialCommand:
         """Torques for a reading, one period after the last."""
@@ -128,7 +126,7 @@ class PathWalker(SpatialWalker):
         self._stood = self._stood + h if still and self._on_two > self._standing_settings.settled else 0.0
         if self._start is None:
             if self.follower.stand(self._stood) and (still or self._stood):
-                self._gather(state)
+                self._gather()
         else:
             self._gathered += h
             if self._lift_now(state):
@@ -185,34 +183,26 @@ class PathWalker(SpatialWalker):
         )
 
     # ------------------------------------------------------------------ into the first step
-    def _gather(self, state: SpaceState) -> None:
+    def _gather(self) -> None:
         """Begin the first step: way is gathered for it."""
         first, frontal, settings = self.follower.first_stance, self.frontal, self._standing_settings
         self.estimator.stand_on(first)
         self.stance = first
         orbit, width = frontal.orbit, frontal.widths.width
         s = orbit.ends(StepPhase.RISING)
-        speed = float(np.sqrt(2.0 * orbit.energy(StepPhase.RISING, s)))
-        brake = settings.braked * orbit.omega**2 * s
-        left, right = (state.feet[side].position[Y] for side in (Stance.LEFT, Stance.RIGHT))
-        self._start = Start(
-            first.sign * (0.5 * width - s),
-            first.sign * speed,
-            -first.sign * brake,
-            settings.gathering,
-            float(state.com[Y] - 0.5 * (left + right)),
-            float(state.com_velocity[Y]),
-        )
+        speed = float(np.sqrt(2.0 * frontal.first_energy(s)))
+        half = 0.5 * width
+        self._start = Start(self.sagittal.omega, settings.reach * half, settings.ramp, settings.given, half - s, speed, first)
         self._gathered = 0.0
 
     def _lift_now(self, state: SpaceState) -> bool:
         """Is the energy sideways that of the orbit, or is it late?"""
         assert self._start is not None
         late = self._gathered - self._start.duration
-        if late < -0.1 * self._start.duration:
+        if late < -0.5 * self._standing_settings.ramp:
             return False
-        sway, orbit = state.sway(self.stance), self.frontal.orbit
-        there = sway.rate < 0.0 and orbit.error(StepPhase.RISING, sway.value, sway.rate) >= 0.0
+        sway = state.sway(self.stance)
+        there = sway.rate < 0.0 and 0.5 * sway.rate**2 >= self.frontal.first_energy(sway.value)
         return there or late > self._standing_settings.late
 
     def _lift(self) -> None:

@@ -338,7 +338,8 @@ class SpatialWalker:
 
         Args:
             stance: the foot.
-            dq: (4,) rates of its stance coordinates, for the slope of the frontal plane [rad/s]; None: as estimated.
+            dq: (4,) rates of its stance coordinates, for the slope of the frontal plane [rad/s]; None: as estimated,
+                out of double support.
         """
         estimator, last = self.estimator, self.plan
         self.stance, self._expected = stance, None
@@ -350,7 +351,8 @@ class SpatialWalker:
         self._swing_yaw.start(last.yaw - plan.heading, 0.0)
         self.lengths.start(*(self._length(state, side) for side in (stance, stance.other)))
         seen = state.frontal(stance)
-        self.frontal.land(stance, state.sway(stance), State(seen.q, seen.dq if dq is None else dq), plan.widening(stance))
+        begun = State(seen.q, seen.dq if dq is None else dq)
+        self.frontal.land(stance, state.sway(stance), begun, plan.widening(stance), dq is None)
 
     @staticmethod
     def _length(state: SpaceState, side: Stance) -> LegLength:
