@@ -19,7 +19,7 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.invariance import double_support_pose
 
 WIDEST, POINTS = 0.12, 13
-"""Largest change of the width that is tabulated, if the legs reach that far [m], and number of widths to either side."""
+"""Largest change of the width that is tabulated, if the legs reach that far [m], number of widths to either side."""
 
 TURNED = 0.12
 """How far the stance ankle may be turned from the planned landing to find a pose [rad]."""

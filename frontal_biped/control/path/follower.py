@@ -1,8 +1,8 @@
 r"""From the legs of a path to steps: where the next stand is, and when to stand.
 
 At every landing the robot knows, by its own odometry, the stand that belongs to its stance foot (`step_plan`). The next
-one lies towards the end of the present leg, as far as a step goes: forwards, sideways and about the vertical each on its
-own, in the axes of the stand. So every error of a step is taken up by the next, and a leg ends where it was to end
+one lies towards the end of the present leg, as far as a step goes: forwards, sideways and about the vertical each on
+its own, in the axes of the stand. So every error of a step is taken up by the next, and a leg ends where it was to end
 whatever happened on the way.
 
 Forwards the length of a step may change by a limited amount c from one to the next, the last of them included: with r

@@ -35,5 +35,3 @@ ORIGIN = Pose()
 def unwrapped(yaw: float, near: float) -> float:
     """The same direction as ``yaw`` [rad], within half a turn of another one that is not wrapped."""
     return near + atan2(sin(yaw - near), cos(yaw - near))
-
-

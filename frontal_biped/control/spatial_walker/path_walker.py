@@ -74,8 +74,9 @@ class PathWalker(SpatialWalker):
     def odometry(self) -> Pose:
         """Middle between both soles and mean of where they look, as the robot believes."""
         state = self.state.at(self.estimator.q, self.estimator.v, self.plan.heading)
-        x, y, _ = state.to_world(0.5 * sum(foot.position for foot in state.feet.values())).tolist()
-        turned = 0.5 * sum(float(foot.turning.angles[YAW]) for foot in state.feet.values())
+        left, right = (state.feet[side] for side in (Stance.LEFT, Stance.RIGHT))
+        x, y, _ = state.to_world(0.5 * (left.position + right.position)).tolist()
+        turned = 0.5 * float(left.turning.angles[YAW] + right.turning.angles[YAW])
         return Pose(x, y, self.plan.heading + turned)
 
     def tick(self, reading: SpatialReading) -> SpatialCommand:
@@ -84,7 +85,8 @@ class PathWalker(SpatialWalker):
         if not self.standing:
             if not self._lands(reading):
                 return self._step(None)
-            landing = Pose(*self.estimator.sole(self.stance.other)[:2].tolist(), self.plan.next_yaw)
+            x, y, _ = self.estimator.sole(self.stance.other).tolist()
+            landing = Pose(x, y, self.plan.next_yaw)
             if not self.follower.arrives(self.stance.other, landing):
                 self._land()
                 return self._step(PhaseEvent.LANDING)
@@ -192,7 +194,9 @@ class PathWalker(SpatialWalker):
         s = orbit.ends(StepPhase.RISING)
         speed = float(np.sqrt(2.0 * frontal.first_energy(s)))
         half = 0.5 * width
-        self._start = Start(self.sagittal.omega, settings.reach * half, settings.ramp, settings.given, half - s, speed, first)
+        self._start = Start(
+            self.sagittal.omega, settings.reach * half, settings.ramp, settings.given, half - s, speed, first
+        )
         self._gathered = 0.0
 
     def _lift_now(self, state: SpaceState) -> bool:

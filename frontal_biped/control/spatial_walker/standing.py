@@ -10,16 +10,16 @@ After the last landing nothing else is asked for: the error of xi, the speed at 
 rate k.
 
 **The first step** begins where the gait's rising phase does: the centre of mass at s_0 from the first stance ankle, on
-its way there with the speed of a first step (`FrontalLaw`). At rest it is next to the same place, without the speed. The centre of
-pressure goes to that foot first, so that the centre of mass falls away from it, then to the other one, which sends it
-back, and comes to the stance foot again before the other one leaves the ground: straight ramps between places that it
+its way there with the speed of a first step (`FrontalLaw`). At rest it is next to the same place, without the speed.
+The centre of pressure goes to that foot first, so that the centre of mass falls away from it, then to the other one,
+which sends it back, and half-way back before the other foot leaves the ground: straight ramps between places that it
 keeps. Along a ramp p = p_0 + r t the pendulum has the closed form
 
 .. math:: c(t) = p(t) + (c_0 - p_0) \cosh\omega t + \frac{\dot c_0 - r}{\omega} \sinh\omega t,
 
-and how far it goes to the first foot, and how long it stays at the other, are found so that the way ends at s_0 with that
-speed. The foot leaves the ground as soon as the energy sideways is that of a first step, which takes up what the lift
-is early or late.
+and how far it goes to the first foot, and how long it stays at the other, are found so that the way ends at s_0 with
+that speed. The foot leaves the ground as soon as the energy sideways is that of a first step, which takes up what the
+lift is early or late.
 """
 
 from collections.abc import Iterable
@@ -83,12 +83,20 @@ class Start:
         SimulationError: it cannot gather as much way.
     """
 
-    def __init__(self, omega: float, q: float, ramp: float, given: float, place: float, speed: float, side: Stance) -> None:
+    def __init__(
+        self, omega: float, q: float, ramp: float, given: float, place: float, speed: float, side: Stance
+    ) -> None:
         self._omega, self._sign = omega, side.sign
 
         def ways(unknown: FloatArray) -> list[_Ramp]:
             away, hold = unknown
-            places = ((0.0, away, ramp), (away, away, ramp), (away, -q, ramp), (-q, -q, hold), (-q, given * q, 0.5 * (1.0 + given) * ramp))
+            places = (
+                (0.0, away, ramp),
+                (away, away, ramp),
+                (away, -q, ramp),
+                (-q, -q, hold),
+                (-q, given * q, 0.5 * (1.0 + given) * ramp),
+            )
             return _chain(omega, places)
 
         def missed(unknown: FloatArray) -> FloatArray:
@@ -187,7 +195,7 @@ class StandingLaw:
         law, settings = self._sagittal, self.settings
         omega = law.omega
         left, right = (state.feet[side].position for side in (Stance.LEFT, Stance.RIGHT))
-        middle = 0.5 * (left + right)[:Y + 1]
+        middle = 0.5 * (left + right)[: Y + 1]
         c, dc = state.com[: Y + 1] - middle, state.com_velocity[: Y + 1]
         aside = (0.0, 0.0, 0.0) if start is None else start.at(since)
         place, speed, p_ref = np.array([(law.p_ref, 0.0, law.p_ref), aside]).T

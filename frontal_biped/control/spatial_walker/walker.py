@@ -18,11 +18,11 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.frontal_law import TURNED, FrontalLaw, FrontalSettings
 from frontal_biped.control.interface import PhaseEvent
+from frontal_biped.control.path.pose import Pose
 from frontal_biped.control.spatial_walker.estimator import SpatialEstimator, SpatialEstimatorSettings
 from frontal_biped.control.spatial_walker.interface import SpatialCommand, SpatialReading
 from frontal_biped.control.spatial_walker.leg_lengths import LegLengths, LengthSettings
 from frontal_biped.control.spatial_walker.sagittal import SagittalLaw, SagittalSettings
-from frontal_biped.control.path.pose import Pose
 from frontal_biped.control.spatial_walker.step_plan import CommandedSpeeds, StepPlan, StepPlanner
 from frontal_biped.control.spatial_walker.swing_path import MinimumJerk, SwingPath
 from frontal_biped.control.walker.phase_machine import PhaseMachine, PhaseSettings
@@ -157,7 +157,9 @@ class SpatialWalker:
             speeds.lateral = lateral
         if turn is not None:
             if abs(turn) * duration > MOST_TURNED:
-                raise SimulationError(f"turn = {turn:g}: too much for a step; at most {MOST_TURNED / duration:.3g} rad/s")
+                raise SimulationError(
+                    f"turn = {turn:g}: too much for a step; at most {MOST_TURNED / duration:.3g} rad/s"
+                )
             speeds.turning = turn
         if speed is not None:
             speeds.asked = speed
@@ -343,7 +345,7 @@ class SpatialWalker:
         """
         estimator, last = self.estimator, self.plan
         self.stance, self._expected = stance, None
-        plan = self.plan = self.planner.begin(stance, Pose(*estimator.foothold[:2].tolist(), last.next_yaw))
+        plan = self.plan = self.planner.begin(stance, Pose(*estimator.place, last.next_yaw))
         state = self.state.at(estimator.q, estimator.v, plan.heading)
         self.swing.start(float(state.feet[stance.other].position[X]), 0.0)
         turned = last.heading - plan.heading

@@ -104,20 +104,19 @@ class BothFeetProgram:
         self._n, self._nv = n, BASE + n
         size = self._nv + 2 * WRENCH
         self._scale = np.ones(size)
-        for foot in range(2):
-            at = self._nv + foot * WRENCH
-            self._scale[at : at + 3] = free.weight
-            self._scale[at + 3 : at + WRENCH] = 0.1 * free.weight
-        self._wrenches = tuple(slice(self._nv + foot * WRENCH, self._nv + (foot + 1) * WRENCH) for foot in range(2))
+        for first in (self._nv, self._nv + WRENCH):
+            self._scale[first : first + 3] = free.weight
+            self._scale[first + 3 : first + WRENCH] = 0.1 * free.weight
+        self._wrenches = tuple(slice(first, first + WRENCH) for first in (self._nv, self._nv + WRENCH))
         self._effort = settings.torque_share * np.minimum(free.limits.effort, UNLIMITED)
         self._motion = MotionLimits(free, settings)
         rows = 2 * CONTACT + 2 * n
         self._C = np.zeros((rows, size))
         self._l, self._u = np.zeros(rows), np.full(rows, UNBOUNDED)
         for foot, side in enumerate(Stance):
-            at = slice(foot * CONTACT, (foot + 1) * CONTACT)
+            rows_of = slice(foot * CONTACT, (foot + 1) * CONTACT)
             contact = contact_rows(free, side, settings)
-            self._C[at, self._wrenches[foot]] = contact * (self._scale[self._wrenches[foot]] / free.weight)
+            self._C[rows_of, self._wrenches[foot]] = contact * (self._scale[self._wrenches[foot]] / free.weight)
         self._torque_rows = slice(2 * CONTACT, 2 * CONTACT + n)
         self._motion_rows = slice(2 * CONTACT + n, rows)
         self._C[self._motion_rows, BASE : self._nv] = np.eye(n) / ACCELERATION

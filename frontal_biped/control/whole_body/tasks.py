@@ -11,7 +11,8 @@ By nature (base and stance foot, twelve rows):
 Asked for, thirty rows for a robot of thirty joints: the paper's outputs on the virtual angles (3), over beta or over
 the sway, its FRI target N_x = p_y F_z and the centre of pressure forwards N_y = -p_x F_z, both lengths of the virtual
 legs, pitch and yaw of the pelvis, the swing sole forwards, in pitch and yaw, and every joint outside the legs at its
-posture. Where the robot turns, pelvis and swing foot are led along a yaw. As many rows as unknowns: while no limit is active the solution is that of a linear system.
+posture. Where the robot turns, pelvis and swing foot are led along a yaw. As many rows as unknowns: while no limit is
+active the solution is that of a linear system.
 """
 
 from typing import NamedTuple

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frontal_biped.control.path.follower import FollowerSettings, PathFollower
-from frontal_biped.control.path.language import parse_path
+from frontal_biped.control.path.language import PathError, parse_path
 from frontal_biped.control.path.pose import Pose, unwrapped
 from frontal_biped.control.spatial_walker.path_walker import PathWalker
 from frontal_biped.control.spatial_walker.standing import StandingSettings
@@ -72,9 +72,7 @@ def walk_path(
     legs = parse_path(path)
     biped, gait = biped_of(robot), gait_of(gait)
     free = FreeRobot(biped.robot)
-    chosen = settings or SpatialSettings(
-        steps=MOST_STEPS, disturbances=disturbances or Disturbances(), pushes=pushes
-    )
+    chosen = settings or SpatialSettings(steps=MOST_STEPS, disturbances=disturbances or Disturbances(), pushes=pushes)
     step = gait.step(biped)
     duration = float(step.rising.duration + step.falling.duration)
     end = gait.falling.motion(np.array([gait.falling.beta_end])).q[0]
@@ -101,6 +99,21 @@ def walk_path(
     }
     remedy = spatial_fall_remedy(biped, gait, run)
     return replace(run, settings={**run.settings, "path": kept, **({} if remedy is None else {"remedy": remedy})})
+
+
+def require_path(words: str, speeds: Mapping[str, float]) -> None:
+    """Raise PathError, in one line, for words that make no path, or speeds that go beside them.
+
+    Args:
+        words: of a path.
+        speeds: by the name of their option; a path says its own.
+    """
+    parse_path(words)
+    for name, value in speeds.items():
+        if value:
+            raise PathError(
+                f"{name} = {value:g} beside a path: write it there, as in 'forward 2 m at 0.2'; leave it out"
+            )
 
 
 def ending(run: SpatialRun) -> Pose:

@@ -182,7 +182,7 @@ class SpatialPilot:
             self._walker.command(change.speed, change.lateral, change.turn)
 
     def decide(self, t: float) -> Decision | None:
-        """Show the walker what the sensors tell; None after the last landing that it noticed, or when it has arrived."""
+        """Show the walker what the sensors tell; None after the last landing it noticed, or when it has arrived."""
         self.command(t)
         true = self._engine.read(t)
         command = self._walker.tick(self._sensors.read(true))
