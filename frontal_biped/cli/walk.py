@@ -1,7 +1,8 @@
-"""`frontal-biped walk`: the whole robot in space, from whatever there is of it."""
+"""`frontal-biped walk`: the whole robot in space, from whatever there is of it, on the spot or along a path."""
 
 import argparse
 import sys
+from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,6 +39,11 @@ _PUSH = (
     "impulse forwards and to the left (N s), and when it begins (s; left out: half-way through the fifth step); 0.1 s"
     " long, on the root link; as often as wanted"
 )
+_PATH = (
+    "instead of N steps: stand, walk along a path, stand again; commands 'stand T', 'forward X', 'back X', 'left X',"
+    " 'right X' (m), 'turn A' (degrees, to the left) and 'stop', with ; between them, a walk with 'at V' if it is to be"
+    " slower or faster (m/s, degrees/s)"
+)
 PUSHED_FOR = 0.1
 """Duration of a push [s]."""
 
@@ -50,9 +56,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help=_ROBOT)
     parser.add_argument("--gait", metavar="GAIT.json", type=Path, help="default: the stored one, or one designed")
     add_value(parser, "--speed", "V", finite_float, "0", "mean speed forwards, m/s; below 0 backwards")
-    add_value(parser, "--lateral", "V", finite_float, "0", "to the left, m/s; only 0 so far")
-    add_value(parser, "--turn", "RATE", finite_float, "0", "to the left, rad/s; only 0 so far")
+    add_value(parser, "--lateral", "V", finite_float, "0", "to the left, m/s")
+    add_value(parser, "--turn", "RATE", finite_float, "0", "to the left, rad/s")
     add_value(parser, "--steps", "N", positive_int, "20", "steps to walk")
+    parser.add_argument("--path", metavar="WORDS", help=_PATH)
     parser.add_argument("--push", metavar="X,Y[,T]", action="append", type=_push, default=[], help=_PUSH)
     add_value(parser, "--encoder-noise", "S", not_negative_float, "0", "standard deviation, rad")
     add_value(parser, "--imu-noise", "S", not_negative_float, "0", "of the pelvis' orientation, rad")
@@ -72,16 +79,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Make what is missing, walk, write what was asked for, print what it came to."""
     from frontal_biped.design.preparation import prepare_to_walk
-    from frontal_biped.exceptions import SimulationError
     from frontal_biped.files.atomic import require_folder
     from frontal_biped.gait.file import gait_to_dict
     from frontal_biped.simulation.disturbances import Disturbances
     from frontal_biped.simulation.space.run import save_spatial_run
+    from frontal_biped.simulation.space.walk_path import require_path, walk_path
     from frontal_biped.simulation.space.walk_spatial import walk_spatial
 
-    for option in ("lateral", "turn"):
-        if getattr(arguments, option):
-            raise SimulationError(f"--{option} {getattr(arguments, option):g}: a walk in space goes straight; leave it")
+    if arguments.path is not None:
+        require_path(arguments.path, {key: getattr(arguments, key) for key in ("speed", "lateral", "turn")})
     require_output(arguments.output, arguments.gait, robot=arguments.robot)
     require_output(arguments.html, arguments.gait, arguments.output, robot=arguments.robot)
     if arguments.figures is not None:
@@ -99,17 +105,32 @@ def run(arguments: argparse.Namespace) -> int:
         friction=arguments.friction,
         seed=arguments.seed,
     )
-    with Progress(f"{ready.biped.name} walking: step", arguments.steps) as progress:
-        walk = walk_spatial(
-            ready.biped,
-            ready.gait,
-            speed=arguments.speed,
-            steps=arguments.steps,
-            pushes=tuple(_pushed(push, step) for push in arguments.push),
-            disturbances=disturbances,
-            on_step=lambda done: progress.update("", done),
-            content=gait_to_dict(ready.gait),
-        )
+    common: dict[str, Any] = {
+        "pushes": tuple(_pushed(push, step) for push in arguments.push),
+        "disturbances": disturbances,
+        "content": gait_to_dict(ready.gait),
+    }
+    if arguments.path is not None:
+        with Progress(f"{ready.biped.name} walking: step") as progress:
+            walk = walk_path(
+                ready.biped,
+                ready.gait,
+                arguments.path,
+                on_step=lambda done: progress.update(f"{done}"),
+                **common,
+            )
+    else:
+        with Progress(f"{ready.biped.name} walking: step", arguments.steps) as progress:
+            walk = walk_spatial(
+                ready.biped,
+                ready.gait,
+                speed=arguments.speed,
+                lateral=arguments.lateral,
+                turn=arguments.turn,
+                steps=arguments.steps,
+                on_step=lambda done: progress.update("", done),
+                **common,
+            )
     written = [str(path) for path in ready.made]
     if arguments.output is not None:
         save_spatial_run(walk, arguments.output)
@@ -117,8 +138,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.html is not None or arguments.figures is not None:
         written += _shown(arguments, ready.biped, ready.gait, walk)
     remedy = walk.settings.get("remedy")
-    table = {**_summary(walk, arguments.speed), "remedy": remedy, "written": written}
-    emit(arguments, table, report(arguments, _head(walk, arguments.steps, remedy), [_text(table)], written))
+    table = {**_summary(walk, arguments.speed), **_of_path(walk), "remedy": remedy, "written": written}
+    asked = walk.steps_completed if arguments.path is not None and not walk.fell else arguments.steps
+    emit(arguments, table, report(arguments, _head(walk, asked, remedy), [_text(table)], written))
     return TASK_FAILED if walk.fell else SUCCESS
 
 
@@ -186,6 +208,23 @@ def _summary(run: "SpatialRun", speed: float) -> dict[str, Any]:
     }
 
 
+def _of_path(run: "SpatialRun") -> dict[str, Any]:
+    """What came of a path; nothing where there was none."""
+    from frontal_biped.simulation.space.walk_path import missed
+
+    told = run.settings.get("path")
+    if told is None:
+        return {}
+    ended, odometry = missed(run), missed(run, "odometry")
+    return {
+        "path": told,
+        "missed": ended.distance,
+        "missed_angle": ended.angle,
+        "missed_by_odometry": odometry.distance,
+        "missed_angle_by_odometry": odometry.angle,
+    }
+
+
 def _head(run: "SpatialRun", asked: int, remedy: str | None) -> list[str]:
     """What was reached, what is tightest, what it needed of the motors."""
     measured = run.settings.get("measured", {})
@@ -206,7 +245,16 @@ _MOTORS = (("torque_share", "torque"), ("speed_share", "speed"))
 
 
 def _text(table: dict[str, Any]) -> str:
-    lines = [
+    lines = (
+        []
+        if "path" not in table
+        else [
+            f"end of the path           {1e3 * table['missed']:.0f} mm and {degrees(table['missed_angle']):.2f} degrees"
+            f" from where it was to be; by odometry {1e3 * table['missed_by_odometry']:.0f} mm and"
+            f" {degrees(table['missed_angle_by_odometry']):.2f} degrees",
+        ]
+    )
+    lines += [
         f"speed of the second half  {table['speed_of_second_half']:.3f} m/s, commanded {table['commanded_speed']:g}",
         f"sideways, yaw             {1e3 * table['sideways']:.1f} mm, {table['yaw_drift']:.2e} rad",
     ]

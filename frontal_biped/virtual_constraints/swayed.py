@@ -14,7 +14,8 @@ stand still before the robot does. On the orbit nothing changes: the same poses 
 
 h_o is the planned path; t(s) = s, stretched linearly where the phase begins before its planned start, so that it ends
 where it was to end; e_0 and e_0' are the errors of pose and slope where it begins, faded out by Hermite's polynomials
-a = (1 + 2u)(1 - u)^2 and b = x(1 - x)^2. Slopes fade sooner, by the share c: a slope error that is carried along the
+a = (1 + 2u)(1 - u)^2 and b = x(1 - x)^2. A phase may be asked to end elsewhere, further on and in another pose: e_1
+is its error there (see `OtherEnd`). Slopes fade sooner, by the share c: a slope error that is carried along the
 whole phase bends it. Past its ends a phase goes on with its slope, which dies out.
 """
 
@@ -62,6 +63,21 @@ class SwayTargets(NamedTuple):
     p_fri: float
 
 
+class OtherEnd(NamedTuple):
+    """Another end of a phase than planned.
+
+    Attributes:
+        further: by how much the sway there is larger [m].
+        error: (3,) by how much the body coordinates differ there [rad].
+    """
+
+    further: float
+    error: FloatArray
+
+
+AS_PLANNED = OtherEnd(0.0, np.zeros(3))
+
+
 class SwayedPhase:
     """A planned phase over the sway.
 
@@ -105,17 +121,27 @@ class SwayedPhase:
         nothing = np.zeros(3)
         return BegunPhase(self, self.start, nothing, nothing)
 
-    def begun(self, s: float, pose: FloatArray, slope: FloatArray | None) -> "BegunPhase":
+    def begun(
+        self,
+        s: float,
+        pose: FloatArray,
+        slope: FloatArray | None,
+        other_end: "OtherEnd | None" = None,
+        slope_share: float = SLOPE_SHARE,
+    ) -> "BegunPhase":
         """The phase from where the robot is.
 
         Args:
             s: sway [m].
             pose: (3,) body coordinates there [rad].
             slope: (3,) their derivative with respect to s [rad/m]; None: that of the plan.
+            other_end: where it ends; None: as planned.
+            slope_share: share of the phase in which an error of the slope is faded out [-].
         """
-        plain = BegunPhase(self, s, np.zeros(3), np.zeros(3)).at(s)
+        end = AS_PLANNED if other_end is None else other_end
+        plain = BegunPhase(self, s, np.zeros(3), np.zeros(3), end).at(s)
         error = np.zeros(3) if slope is None else slope - plain.h_d1
-        return BegunPhase(self, s, pose - plain.h_d, error)
+        return BegunPhase(self, s, pose - plain.h_d, error, end, slope_share)
 
 
 class BegunPhase:
@@ -126,14 +152,24 @@ class BegunPhase:
         s: sway where it began [m].
         error: (3,) of the pose there [rad].
         slope_error: (3,) of the slope there [rad/m].
+        other_end: where it ends, and in which pose.
+        slope_share: share of the phase in which an error of the slope is faded out [-].
     """
 
-    def __init__(self, planned: SwayedPhase, s: float, error: FloatArray, slope_error: FloatArray) -> None:
-        self._planned = planned
+    def __init__(
+        self,
+        planned: SwayedPhase,
+        s: float,
+        error: FloatArray,
+        slope_error: FloatArray,
+        other_end: OtherEnd = AS_PLANNED,
+        slope_share: float = SLOPE_SHARE,
+    ) -> None:
+        self._planned, self._slope_share = planned, slope_share
         sense = 1.0 if planned.end > planned.start else -1.0
-        self._start = s
+        self._start, self._end_error = s, other_end.error
         least = min(LEAST_RANGE, abs(planned.end - planned.start))
-        self._length = sense * max(sense * (planned.end - s), least)
+        self._length = sense * max(sense * (planned.end + other_end.further - s), least)
         # begun on its way, it is what is left of the plan
         self._from = s if 0.0 < sense * (s - planned.start) < sense * (planned.end - planned.start) else planned.start
         self._stretch = (planned.end - self._from) / self._length
@@ -160,12 +196,14 @@ class BegunPhase:
         t = self._from + k * length * u
         value, first, second = self._planned.path(t)
         w = 1.0 - u
-        h = value[BODY] + self._error * ((1.0 + 2.0 * u) * w * w)
-        h1 = first[BODY] * k + self._error * (-6.0 * u * w / length)
-        h2 = second[BODY] * k**2 + self._error * (-6.0 * (1.0 - 2.0 * u) / length**2)
-        x = u / SLOPE_SHARE
+        # the one error fades out as the other fades in: a(u) and 1 - a(u)
+        change = self._error - self._end_error
+        h = value[BODY] + self._end_error + change * ((1.0 + 2.0 * u) * w * w)
+        h1 = first[BODY] * k + change * (-6.0 * u * w / length)
+        h2 = second[BODY] * k**2 + change * (-6.0 * (1.0 - 2.0 * u) / length**2)
+        x = u / self._slope_share
         if x < 1.0:
-            w, short = 1.0 - x, SLOPE_SHARE * length
+            w, short = 1.0 - x, self._slope_share * length
             h = h + self._slope_error * (short * x * w * w)
             h1 = h1 + self._slope_error * (w * w - 2.0 * x * w)
             h2 = h2 + self._slope_error * ((2.0 * x - 4.0 * w) / short)

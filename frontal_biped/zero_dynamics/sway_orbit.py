@@ -102,6 +102,10 @@ class SwayOrbit:
         """e = ds^2/2 - E(s) [m^2/s^2]."""
         return 0.5 * ds**2 - self.energy(phase, s)
 
+    def ends(self, phase: StepPhase) -> float:
+        """Largest sway of a phase [m]: where it rises from, or falls to."""
+        return float(self._s[phase][-1])
+
     def half_way(self, phase: StepPhase) -> float:
         """Sway in the middle of a phase [m]."""
         return 0.5 * float(self._s[phase][0] + self._s[phase][-1])

@@ -77,6 +77,7 @@ def test_options_are_passed_on(stub, capsys):
 def test_nothing_is_asked_for_that_was_not(stub):
     assert main(["walk", "romeo"]) == 0
     assert (stub["speed"], stub["steps"], stub["pushes"]) == (0.0, 20, ())
+    assert (stub["lateral"], stub["turn"]) == (0.0, 0.0)
     assert stub["disturbances"] == Disturbances(friction=ContactSettings().friction)
 
 
@@ -114,8 +115,10 @@ def test_figures(stub, tmp_path, capsys):
     (["rome"], "did you mean 'romeo'"),
     (["nowhere.urdf"], "no such URDF file"),
     (["romeo", "--gait", "nowhere.json"], "nowhere.json"),
-    (["romeo", "--steps", "1", "--lateral", "0.1"], "--lateral 0.1: a walk in space goes straight"),
-    (["romeo", "--steps", "1", "--turn", "0.1"], "--turn 0.1: a walk in space goes straight"),
+    (["romeo", "--steps", "1", "--lateral", "9"], "lateral = 9: the legs do not reach as far; at most"),
+    (["romeo", "--steps", "1", "--turn", "9"], "turn = 9: too much for a step; at most"),
+    (["romeo", "--path", "forward 2 ft"], "'ft' is not the unit; it is m"),
+    (["romeo", "--path", "forward 2", "--turn", "0.1"], "turn = 0.1 beside a path: write it there"),
     (["romeo", "-o", "."], "is a directory"),
 ])  # fmt: skip
 def test_bad_input_is_one_line(arguments, words, capsys, tmp_path, monkeypatch):

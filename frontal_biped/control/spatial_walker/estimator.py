@@ -122,6 +122,20 @@ class SpatialEstimator:
         self.foothold = foothold * (1.0, 1.0, 0.0)
         self._stand(self.q, self.v)
 
+    @property
+    def place(self) -> tuple[float, float]:
+        """x and y of the stance sole in the world by the present estimate [m]."""
+        return float(self.foothold[0]), float(self.foothold[1])
+
+    def stand_on(self, side: Stance) -> None:
+        """Of two feet that stand, take this one for the stance foot, where it is."""
+        if side is self._stance:
+            return
+        foothold = self.sole(side)
+        self._remembered[self._stance] = self.error
+        self._stance, self.foothold = side, foothold * (1.0, 1.0, 0.0)
+        self._stand(self.q, self.v)
+
     def ahead(self, accelerations: Iterable[FloatArray]) -> tuple[FloatArray, FloatArray]:
         """q (nq,) and v (nv,) after accelerations that are on their way, each for a period."""
         q, v = self.q, self.v

@@ -27,6 +27,23 @@ class LegLength(NamedTuple):
 KEPT = LegLength()
 
 
+class Yaw(NamedTuple):
+    """Where something is to look, from the heading.
+
+    Attributes:
+        angle: [rad].
+        rate: [rad/s].
+        acceleration: [rad/s^2].
+    """
+
+    angle: float = 0.0
+    rate: float = 0.0
+    acceleration: float = 0.0
+
+
+STRAIGHT = Yaw()
+
+
 @dataclass(frozen=True)
 class WholeBodyTargets:
     """Targets of one tick, in the heading frame.
@@ -40,6 +57,8 @@ class WholeBodyTargets:
         softness: 1 as the settings say; below, all feedback is reduced by this factor, as after a landing [-].
         stance_length: of the stance leg.
         swing_length: of the swing leg.
+        pelvis_yaw: where the pelvis looks.
+        swing_yaw: where the swing foot looks.
     """
 
     stance: Stance
@@ -50,6 +69,8 @@ class WholeBodyTargets:
     softness: float = 1.0
     stance_length: LegLength = KEPT
     swing_length: LegLength = KEPT
+    pelvis_yaw: Yaw = STRAIGHT
+    swing_yaw: Yaw = STRAIGHT
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ By nature (base and stance foot, twelve rows):
 Asked for, thirty rows for a robot of thirty joints: the paper's outputs on the virtual angles (3), over beta or over
 the sway, its FRI target N_x = p_y F_z and the centre of pressure forwards N_y = -p_x F_z, both lengths of the virtual
 legs, pitch and yaw of the pelvis, the swing sole forwards, in pitch and yaw, and every joint outside the legs at its
-posture. As many rows as unknowns: while no limit is active the solution is that of a linear system.
+posture. Where the robot turns, pelvis and swing foot are led along a yaw. As many rows as unknowns: while no limit is
+active the solution is that of a linear system.
 """
 
 from typing import NamedTuple
@@ -20,10 +21,10 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.whole_body.settings import WholeBodySettings
-from frontal_biped.control.whole_body.targets import WholeBodyTargets
+from frontal_biped.control.whole_body.targets import WholeBodyTargets, Yaw
 from frontal_biped.exceptions import RobotError
 from frontal_biped.model.space.free_robot import BASE, FreeRobot
-from frontal_biped.model.space.virtual_legs import LENGTH, PITCH, SpaceState
+from frontal_biped.model.space.virtual_legs import LENGTH, PITCH, SpaceState, Turning
 from frontal_biped.model.stance_map import Stance
 
 WRENCH = 6
@@ -126,25 +127,46 @@ class TaskRows:
             leg = state.legs[side]
             A[LENGTHS.start + i, :nv] = leg.J[LENGTH]
             error = leg.values[LENGTH] - state.lengths[side] - asked.offset
-            back = _held(s.length, firm, error, leg.rates[LENGTH] - asked.rate)
+            back = held(s.length, firm, error, leg.rates[LENGTH] - asked.rate)
             b[LENGTHS.start + i] = asked.acceleration + back - leg.drift[LENGTH]
         pelvis = state.pelvis
         A[PELVIS, :nv] = pelvis.J[PITCH:]
-        b[PELVIS] = _held(s.pelvis, soft, pelvis.angles[PITCH:], pelvis.rates[PITCH:]) - pelvis.drift[PITCH:]
+        b[PELVIS] = turned(s.pelvis, soft, pelvis, targets.pelvis_yaw)
         A[SWING, :nv] = other.J[0]
         b[SWING] = targets.swing_acceleration - other.drift[0]
         turning = other.turning
         A[FOOT, :nv] = turning.J[PITCH:]
-        b[FOOT] = _held(s.foot, soft, turning.angles[PITCH:], turning.rates[PITCH:]) - turning.drift[PITCH:]
+        b[FOOT] = turned(s.foot, soft, turning, targets.swing_yaw)
         out = self.outside
         error = state.q[BASE + 1 + out] - targets.joints[out]
-        b[LEGS:] = _held(s.posture, 1.0, error, state.v[BASE + out])
+        b[LEGS:] = held(s.posture, 1.0, error, state.v[BASE + out])
         return Rows(self._A, self._b)
 
 
-def _held(frequency: float, softness: float, error: FloatArray, rate: FloatArray) -> FloatArray:
-    """Acceleration of a critically damped return to zero."""
+def held(frequency: float, softness: float, error: FloatArray, rate: FloatArray) -> FloatArray:
+    """Acceleration of a critically damped return to zero, of an error and its rate, numbers or arrays.
+
+    Args:
+        frequency: natural frequency [rad/s].
+        softness: factor of the acceleration [-].
+        error: from where it is to be.
+        rate: of the error.
+    """
     return -softness * (frequency**2 * error + 2.0 * frequency * rate)
+
+
+def turned(frequency: float, softness: float, turning: Turning, yaw: Yaw) -> FloatArray:
+    """(2,) what the rows of pitch and yaw are to come to for a body led along a yaw, its pitch kept at zero.
+
+    Args:
+        frequency: natural frequency [rad/s].
+        softness: factor of the feedback [-].
+        turning: of the body.
+        yaw: where it is to look.
+    """
+    wanted = np.array([(0.0, 0.0, 0.0), yaw])
+    error, rate = turning.angles[PITCH:] - wanted[:, 0], turning.rates[PITCH:] - wanted[:, 1]
+    return wanted[:, 2] + held(frequency, softness, error, rate) - turning.drift[PITCH:]
 
 
 def weights(rows: TaskRows) -> FloatArray:

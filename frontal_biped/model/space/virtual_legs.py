@@ -293,6 +293,12 @@ class SpaceState:
             inwards * float(ahead), inwards * float(self.com_velocity[Y]), J, inwards * float(self._com_drift[Y])
         )
 
+    @property
+    def com_rows(self) -> tuple[FloatArray, FloatArray]:
+        """(3, nv) Jacobian of the centre of mass, and (3,) its acceleration where the robot does not accelerate."""
+        # the free-flyer's rows of M are the momentum in the root link's axes
+        return (self._R @ self.M[LINEAR]) / float(self._data.mass[0]), self._com_drift
+
     def clearance(self, side: Stance) -> float:
         """Height of the lowest corner of a foot's sole above z = 0 [m]."""
         foot = self.feet[side]

@@ -1,9 +1,11 @@
-"""Where a walk in space starts: right after an impact of a planar gait, as a state of the free robot."""
+"""Where a walk in space starts, as a state of the free robot: right after an impact of a planar gait, or at rest."""
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.landing_widths import standing_pose
 from frontal_biped.exceptions import SimulationError, UnreachablePoseError
+from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.space.free_robot import FreeRobot
 from frontal_biped.model.space.planar_state import PlanarStates
@@ -45,6 +47,27 @@ def start_in_space(
         ) from None
     _check_ranges(free, q)
     return SpatialState(q, v)
+
+
+def standing_in_space(free: FreeRobot, biped: FrontalBiped, gait: Gait, stance: Stance = Stance.LEFT) -> SpatialState:
+    """At rest on both feet, as far apart as the gait lands, the centre of mass midway.
+
+    Args:
+        free: the robot.
+        biped: the same in the plane.
+        gait: whose width it is.
+        stance: the foot that is seen as the stance foot.
+
+    Raises:
+        SimulationError: the legs do not reach there.
+    """
+    pose = standing_pose(biped, gait)
+    if pose is None:
+        raise SimulationError(
+            f"{free.name}: no pose puts both feet as far apart as this gait lands and the centre of mass midway; design"
+            " one of another step width"
+        )
+    return start_in_space(free, biped, State(pose, np.zeros(4)), stance)
 
 
 def _check_ranges(free: FreeRobot, q: FloatArray) -> None:

@@ -28,6 +28,8 @@ def walk_spatial(
     gait: GaitLike,
     *,
     speed: float = 0.0,
+    lateral: float = 0.0,
+    turn: float = 0.0,
     steps: int = 20,
     commands: tuple[SpeedChange, ...] = (),
     pushes: tuple[SpatialPush, ...] = (),
@@ -49,6 +51,8 @@ def walk_spatial(
         robot: the robot, in any of its views, or by name or path.
         gait: the planar gait to walk, a design's result, or by name or path.
         speed: forwards [m/s].
+        lateral: to the left [m/s].
+        turn: to the left [rad/s].
         steps: landings after which to stop.
         commands: later changes of speed.
         pushes: on any link.
@@ -86,6 +90,8 @@ def walk_spatial(
         else walker
         or SpatialWalker(free, biped, gait, period=chosen.period, speed=speed, delay=chosen.disturbances.delay)
     )
+    if lateral or turn:
+        used.command(lateral=lateral, turn=turn)
     start = start_in_space(free, biped, gait.state_after_impact(), stance)
     told = gait_to_dict(gait) if content is None else content
     run = walk_in_space(free, used, start, chosen, stance=stance, errors=errors, on_step=on_step, gait=told)

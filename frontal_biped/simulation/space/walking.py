@@ -164,13 +164,16 @@ class SpatialPilot:
         self._unsolved = 0
         self._impact: tuple[float, int, Stance] | None = None  # whose state is still to be taken
         self._pelvis_at_posture = pin.Quaternion(free.posture[3:7]).matrix()
-        self._yaw = 0.0
+        self._yaw, self._stood = 0.0, 0.0
         self._row: dict[str, Any] | None = None  # a sample that waits for the forces of its period
 
     @property
     def since(self) -> float:
-        """When the present step began, as the walker believes [s]: one that rocks on the spot is not walking either."""
-        return self._meter.began
+        """When the present step began, as the walker believes [s]: one that rocks on the spot is not walking either.
+
+        One that stands on purpose, as `PathWalker` does, may.
+        """
+        return max(self._meter.began, self._stood)
 
     def command(self, t: float) -> None:
         """Give the commands that are due at time t [s]."""
@@ -179,7 +182,7 @@ class SpatialPilot:
             self._walker.command(change.speed, change.lateral, change.turn)
 
     def decide(self, t: float) -> Decision | None:
-        """Show the walker what the sensors tell; None after the last landing that it noticed."""
+        """Show the walker what the sensors tell; None after the last landing it noticed, or when it has arrived."""
         self.command(t)
         true = self._engine.read(t)
         command = self._walker.tick(self._sensors.read(true))
@@ -198,6 +201,10 @@ class SpatialPilot:
                 return None
         elif event in EVENTS:
             steps.turn(t, EVENTS[event], stance)
+        if getattr(self._walker, "standing", False):
+            self._stood = t
+            if getattr(self._walker, "finished", False):
+                return None
         self._airborne.watch(true.contact)
         self._sent = _Sent(t, true, command)
         return Decision(command.joint_torques)

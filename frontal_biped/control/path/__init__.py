@@ -1,0 +1,1 @@
+"""Where the robot is told to go: the words of a path, and the steps that they become."""
