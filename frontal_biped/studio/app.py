@@ -28,6 +28,7 @@ class Studio:
 
     Attributes:
         url: what to open in a browser; it holds a secret, see `Guard`.
+        walk: in space, steered by keys.
 
     Raises:
         MissingExtraError: viser is not installed.
@@ -43,6 +44,7 @@ class Studio:
         from frontal_biped.studio.closed_server import closed_server
         from frontal_biped.studio.panel import Panel
         from frontal_biped.studio.stage import Stage
+        from frontal_biped.studio.steered_walk import SteeredWalk
 
         listening, chosen = listening_socket(port, FIRST_PORT, "name another one with --port")
         guard = Guard()
@@ -56,7 +58,11 @@ class Studio:
         self._panel = Panel(self.server, self.workbench)
         self._stage = Stage(self.server, self._panel.show_phase)
         self._panel.speed.on_update(lambda _: self._stage.play(float(self._panel.speed.value)))
-        self.workbench.on_change = self._show
+        bench = self.workbench
+        self.walk = SteeredWalk(
+            self.server, lambda: bench.state.robot, lambda: bench.state.gait, folder, self._stage.hide
+        )
+        bench.on_change = self._show
         self.workbench.begin()
 
     def speed(self, value: float) -> None:
@@ -66,6 +72,7 @@ class Studio:
     def close(self) -> None:
         """Stop serving, end the workers, free the port."""
         self.workbench.on_change = lambda _: None
+        self.walk.end()
         self._stage.close()
         self.workbench.close()
         with contextlib.redirect_stdout(io.StringIO()):

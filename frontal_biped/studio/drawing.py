@@ -19,7 +19,7 @@ from frontal_biped.model.urdf.shapes import IntArray
 from frontal_biped.simulation.pushes import Push
 from frontal_biped.simulation.trajectory import COMPLETED, Trajectory
 from frontal_biped.viewer.markers import COM, CONTACT, draw_markers
-from frontal_biped.viewer.page import recording
+from frontal_biped.viewer.page import SceneRecorder, recording
 from frontal_biped.viewer.scene import FIRST, Actor, animate, draw_scene, frontal_camera
 from frontal_biped.virtual_constraints.phase import StepPhase
 
@@ -111,13 +111,7 @@ def drawing_of(biped: FrontalBiped) -> Drawing:
     actors = [Actor(biped, upright, marked=False)]
     draw_scene(visualizer, actors)
     draw_markers(visualizer[FIRST], biped)
-    poses = {c["path"]: _matrix(c["matrix"]) for c in recorder.commands if c["type"] == "set_transform"}
-    shapes = []
-    for command in recorder.commands:
-        if command["type"] == "set_object":
-            shape = _shape(command, poses.get(command["path"], np.eye(4)))
-            if shape is not None:
-                shapes.append(shape)
+    shapes = [*shapes_of(recorder)[0]]
     shapes += _push_arrow(float(biped.chain.joints[1, 1]))
     moving = clip_of(biped, upright)
     standing = replace(moving, phase=("standing; the gait follows",) * moving.frames)
@@ -145,6 +139,22 @@ def clip_of(biped: FrontalBiped, run: Trajectory, push: Push | None = None) -> C
 
 
 # ---------------------------------------------------------------------- shapes
+def shapes_of(recorder: SceneRecorder) -> tuple[tuple[Shape, ...], dict[str, FloatArray]]:
+    """What a MeshCat scene is made of.
+
+    Returns:
+        The shapes, and by name where the nodes that are none stand in their parents, (4, 4).
+    """
+    poses = {c["path"]: _matrix(c["matrix"]) for c in recorder.commands if c["type"] == "set_transform"}
+    shapes = []
+    for command in recorder.commands:
+        if command["type"] == "set_object":
+            shape = _shape(command, poses.pop(command["path"], np.eye(4)))
+            if shape is not None:
+                shapes.append(shape)
+    return tuple(shapes), {_name(path): pose for path, pose in poses.items()}
+
+
 def _shape(command: Mapping[str, Any], pose: FloatArray) -> Shape | None:
     described = command["object"]
     mesh = _triangles(described["geometries"][0])

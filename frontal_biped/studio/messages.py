@@ -1,4 +1,4 @@
-"""What a browser may say to the studio: where its camera is, and the value of a control.
+"""What a browser may say to the studio: where its camera is, the value of a control, and a key that means something.
 
 Viser's server does what any message of its protocol asks: it sets whatever property of a control is named, takes in
 files, and opens a tunnel that shows the studio to the world. None of that belongs to the studio's page.
@@ -36,7 +36,13 @@ class Update(msgspec.Struct, tag="GuiUpdateMessage", forbid_unknown_fields=True)
     updates: dict[Literal["value"], float | bool | str | tuple[float, float]]
 
 
-_decoder = msgspec.msgpack.Decoder(Camera | Update)
+class Trigger(msgspec.Struct, tag="CommandTriggerMessage", forbid_unknown_fields=True):
+    """A key that the page has a command for."""
+
+    uuid: str
+
+
+_decoder = msgspec.msgpack.Decoder(Camera | Update | Trigger)
 
 
 def is_expected(raw: bytes) -> bool:

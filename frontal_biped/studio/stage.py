@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.studio.drawing import FPS, Clip, Drawing, Shape, Track, is_marker
+from frontal_biped.studio.drawing import FPS, PUSH, Clip, Drawing, Shape, Track, is_marker
 
 FIELD_OF_VIEW = np.radians(36.0)
 BEFORE = 0.05
@@ -39,6 +39,7 @@ class Stage:
         self._pictured: tuple[int, int] | None = None
         self._ended = threading.Event()
         self._speed = 1.0
+        self._hidden = False
         scene = server.scene
         scene.set_up_direction("+z")
         scene.configure_environment_map("studio", environment_intensity=0.35)
@@ -63,6 +64,17 @@ class Stage:
         """Set the speed, a fraction of real time, 0 to 1."""
         if 0.0 <= speed <= 1.0:
             self._speed = speed
+
+    def hide(self, hidden: bool) -> None:
+        """Leave the scene to another one, or take it back."""
+        with self._lock:
+            self._hidden, self._pictured = hidden, None
+            with self._server.atomic():
+                for name, node in self._nodes.items():
+                    if "/" not in name:
+                        node.visible = not hidden and name != PUSH
+            if not hidden:
+                self._look()
 
     def close(self) -> None:
         """Stop the clock."""
@@ -103,8 +115,14 @@ class Stage:
         camera = self._server.initial_camera
         camera.position, camera.look_at = drawing.camera["position"], drawing.camera["target"]
         camera.fov = float(FIELD_OF_VIEW)
+        self._look()
+
+    def _look(self) -> None:
+        if self._drawing is None or self._hidden:
+            return
+        place, target = self._drawing.camera["position"], self._drawing.camera["target"]
         for client in self._server.get_clients().values():
-            client.camera.position, client.camera.look_at = drawing.camera["position"], drawing.camera["target"]
+            client.camera.position, client.camera.look_at = place, target
 
     def _add_parents(self, node: str) -> None:
         parts = node.split("/")
@@ -113,7 +131,7 @@ class Stage:
             if name not in self._nodes:
                 ahead = self._drawing.depth + BEFORE if count == 1 and is_marker(name) and self._drawing else 0.0
                 self._nodes[name] = self._server.scene.add_frame(
-                    f"/{name}", show_axes=False, position=(ahead, 0.0, 0.0), visible=name != "push"
+                    f"/{name}", show_axes=False, position=(ahead, 0.0, 0.0), visible=name != PUSH and not self._hidden
                 )
 
     # ------------------------------------------------------------------ motion
@@ -131,7 +149,7 @@ class Stage:
         clip, frame = self._gait or (self._drawing and self._drawing.standing), int(self._frame)
         if self._once is not None and frame < self._once.frames + HELD * FPS:
             clip = self._once
-        if clip is None or self._drawing is None:
+        if clip is None or self._drawing is None or self._hidden:
             return
         index = min(frame, clip.frames - 1) if clip is self._once else frame % clip.frames
         if (id(clip), index) == self._pictured:

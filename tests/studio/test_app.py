@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 
+import numpy as np
 import pytest
 from foreign_page import HARMLESS, RESOLVED, rebound, tried
 
@@ -161,6 +162,56 @@ def test_slider_push_and_save_in_the_browser(chromium, tmp_path):
         browser.close()
     assert complaints == []
     assert sorted(path.name for path in tmp_path.iterdir()) == ["frontal_biped-1.gait.json", "frontal_biped-1.html"]
+
+
+@pytest.mark.slow
+@pytest.mark.browser
+def test_arrow_keys_steer_the_whole_robot_and_it_answers_within_a_step(chromium, tmp_path):
+    from playwright.sync_api import sync_playwright
+
+    from frontal_biped.studio.app import Studio
+
+    pytest.importorskip("mujoco")
+    complaints = []
+    with Studio("talos_full", 0, tmp_path) as studio, sync_playwright() as playwright:
+        walk = studio.walk
+
+        def until(done):
+            end = time.monotonic() + 4.0 * PATIENCE
+            while not done():
+                assert time.monotonic() < end and not walk.news.startswith("fell"), (walk.picture, walk.news)
+                time.sleep(0.05)
+
+        options = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+        browser = playwright.chromium.launch(executable_path=chromium, args=options)
+        page = browser.new_page(viewport={"width": 900, "height": 700})
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on("request", lambda request: outside(request.url, studio.url, complaints))
+        page.set_default_timeout(1000.0 * PATIENCE)
+        page.goto(studio.url)
+        page.wait_for_function("document.body.innerText.includes('J = ')", polling=500)
+        page.get_by_role("button", name="Walk", exact=True).click()
+        until(lambda: walk.picture is not None and walk.picture.steps >= 1)
+        page.mouse.click(200, 400)
+        page.mouse.move(200, 300)
+        for key, order in (("ArrowUp", (0.1, 0.0, 0.0)), ("ArrowLeft", (0.1, 0.0, 0.15))):
+            page.keyboard.press(key)
+            until(lambda order=order: tuple(walk.picture.order) == order)
+            until(lambda: walk.picture.answered[1] >= 0)
+            given, answered = walk.picture.answered
+            assert answered == given + 1
+        begun = walk.picture
+        until(lambda: walk.picture.steps >= begun.steps + 3)
+        assert walk.picture.yaw > begun.yaw + 0.1
+        assert np.hypot(*(walk.picture.com - begun.com)[:2]) > 0.05
+        page.wait_for_function("document.body.innerText.includes('turning left by 9 degrees')", polling=500)
+        page.keyboard.press("Space")
+        until(lambda: not any(walk.picture.order))
+        page.get_by_role("button", name="Back to the gait").click()
+        until(lambda: not walk.walks)
+        browser.close()
+    assert complaints == []
+    assert list(tmp_path.iterdir()) == []
 
 
 def outside(url, home, complaints):

@@ -99,13 +99,17 @@ def test_a_page_moves_its_camera_and_its_sliders(served):
     pressed = []
     server.gui.add_button("b").on_click(lambda event: pressed.append(event))
     button = next(h for h in server.gui._gui_input_handle_from_uuid.values() if h._impl.is_button)
+    keys = []
+    command = server.gui.add_command("go", hotkey="arrowup")
+    command.on_trigger(lambda event: keys.append(event))
     with opened(url) as page:
         page.send(msgspec.msgpack.encode(CAMERA))
         assert until(lambda: len(server.get_clients()) == 1)
         for handle, value in ((slider, 0.7), (range_, [0.3, 0.4]), (choice, "b"), (button, True)):
             update = {"type": "GuiUpdateMessage", "uuid": handle._impl.uuid, "updates": {"value": value}}
             page.send(msgspec.msgpack.encode(update))
-        assert until(lambda: (slider.value, range_.value, choice.value) == (0.7, (0.3, 0.4), "b") and pressed)
+        page.send(msgspec.msgpack.encode({"type": "CommandTriggerMessage", "uuid": command._impl.uuid}))
+        assert until(lambda: (slider.value, range_.value, choice.value) == (0.7, (0.3, 0.4), "b") and pressed and keys)
 
 
 def test_what_its_page_never_says_is_not_heard(served, monkeypatch, capfd):
@@ -129,6 +133,8 @@ def test_what_its_page_never_says_is_not_heard(served, monkeypatch, capfd):
         update(value="x"), update(value=[]), update(value=[1, 2, 3]), update(value={"a": 1}), update(value=b"x"),
         update(value=float("nan")), update(value=float("inf")), update(value=[0.1, float("nan")]),
         {**update(value=1.0), "uuid": 7}, {**update(value=1.0), "more": 1}, {"type": "GuiUpdateMessage"},
+        {"type": "CommandTriggerMessage"}, {"type": "CommandTriggerMessage", "uuid": 1},
+        {"type": "CommandTriggerMessage", "uuid": "no such command"},
         {**CAMERA, "position": [0, 0, float("nan")]}, {**CAMERA, "position": ["a", "b", "c"]}, {**CAMERA, "fov": None},
         {"type": "NoSuchMessage"}, {"type": 1}, {}, [], 1, None, "x", {"no": "type"},
     ]  # fmt: skip
