@@ -54,8 +54,8 @@ def load_source(path: Path, robot: str | None, run_of: Callable[[FrontalBiped, G
         return Source(biped, gait, run_of(biped, gait))
     run = load_trajectory(path)
     if "format" in run.gait:
-        gait = any_gait_from_dict(dict(run.gait), f"{path}: gait")
-        return Source(robot_of(gait, robot, path), gait if isinstance(gait, Gait) else None, run)
+        told = any_gait_from_dict(dict(run.gait), f"{path}: gait")
+        return Source(robot_of(told, robot, path), told if isinstance(told, Gait) else None, run)
     return Source(_robot_of_run(path, run.robot, robot), None, run)
 
 
