@@ -22,6 +22,8 @@ LESSONS = CHECKED[:10]
 IN_SPACE = "12_walk_in_space.py"
 """What needs MuJoCo."""
 
+SIDEWAYS = "13_sideways.py"
+
 RELATIVE = 0.02
 """Between processors: sampled control meets events a tick earlier or later. Everything but numbers agrees exactly."""
 
@@ -52,9 +54,9 @@ def assert_same(printed, expected):
             )
 
 
-def test_ten_lessons_and_a_walk_of_forty_to_a_hundred_lines():
+def test_ten_lessons_and_two_walks_of_forty_to_a_hundred_lines():
     assert [path.name[:2] for path in LESSONS] == [f"{number:02d}" for number in range(1, 11)]
-    assert [path.name for path in CHECKED[10:]] == [IN_SPACE]
+    assert [path.name for path in CHECKED[10:]] == [IN_SPACE, SIDEWAYS]
     for path in CHECKED:
         assert 40 <= len(path.read_text(encoding="utf-8").splitlines()) <= 100, path.name
 

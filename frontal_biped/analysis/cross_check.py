@@ -32,7 +32,7 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.files.counted import counted
-from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.sideways import AnyGait, steps_in_turn
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.mid_fall import speed_errors
 from frontal_biped.simulation.trajectory import COMPLETED, Trajectory
@@ -142,7 +142,7 @@ class CrossCheck:
 
 def cross_check(
     biped: FrontalBiped,
-    gait: Gait,
+    gait: AnyGait,
     *,
     engines: tuple[str, ...] = ("mujoco", "ours"),
     on_step: Callable[[str, int], None] | None = None,
@@ -168,10 +168,12 @@ def cross_check(
         told = None if on_step is None else (lambda done, engine=engine: on_step(engine, done))
         runs[engine] = walk(biped, gait, engine=engine, on_step=told, **options)
     reports = tuple(engine_report(biped, gait, engine, run) for engine, run in runs.items())
-    return CrossCheck(biped.name, gait.orbit.step_duration, gait.orbit.cost, reports), runs
+    steps = steps_in_turn(gait)
+    time, cost = np.mean([(step.orbit.step_duration, step.orbit.cost) for step in steps], axis=0)
+    return CrossCheck(biped.name, float(time), float(cost), reports), runs
 
 
-def engine_report(biped: FrontalBiped, gait: Gait, engine: str, run: Trajectory) -> EngineReport:
+def engine_report(biped: FrontalBiped, gait: AnyGait, engine: str, run: Trajectory) -> EngineReport:
     """What a run under a walker measures."""
     measured = run.settings.get("measured", {})
 
@@ -194,7 +196,7 @@ def engine_report(biped: FrontalBiped, gait: Gait, engine: str, run: Trajectory)
         foot_rotation=of("rotation", "largest"),
         double_support=of("double_support", "mean"),
         work=of("work", "mean"),
-        cost=of("effort", "mean") / gait.step_width,
+        cost=of("effort", "mean") * float(np.mean([1.0 / step.step_width for step in steps_in_turn(gait)])),
         torque=float(np.max(np.abs(run.u) / biped.max_torque)),
         unsolved=int(run.settings.get("controller", {}).get("unsolved", 0)),
     )

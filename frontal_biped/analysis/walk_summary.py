@@ -7,7 +7,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.files.counted import counted
-from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.sideways import AnyGait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import JOINTS
 from frontal_biped.simulation.falls import fall_remedy
@@ -94,7 +94,7 @@ class WalkSummary:
         )
 
 
-def walk_summary(biped: FrontalBiped, gait: Gait, run: Trajectory, asked: int) -> WalkSummary:
+def walk_summary(biped: FrontalBiped, gait: AnyGait, run: Trajectory, asked: int) -> WalkSummary:
     """The summary of a run.
 
     Args:

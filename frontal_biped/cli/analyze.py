@@ -36,10 +36,19 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the analysis; success is a certificate."""
     from frontal_biped.analysis.closed_form import analyze
     from frontal_biped.analysis.robustness import robustness_card
-    from frontal_biped.cli.sources import load_walker
+    from frontal_biped.analysis.sideways import analyze_sideways
+    from frontal_biped.cli.sources import load_any_walker
     from frontal_biped.cli.workers import workers
+    from frontal_biped.exceptions import GaitFileError
+    from frontal_biped.gait.sideways import SidewaysGait
 
-    biped, gait = load_walker(arguments.gait, arguments.robot)
+    biped, gait = load_any_walker(arguments.gait, arguments.robot)
+    if isinstance(gait, SidewaysGait):
+        if arguments.robustness:
+            raise GaitFileError(f"{arguments.gait}: holds two steps, and the robustness card is of one; leave it out")
+        found = analyze_sideways(biped, gait)
+        emit(arguments, found.as_dict(), str(found) if arguments.verbose else found.summary)
+        return SUCCESS if found.certified else TASK_FAILED
     with Progress("analysing:") as progress:
         progress.update("orbit, reversal and certificate")
         analysis = analyze(biped, gait)

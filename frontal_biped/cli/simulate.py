@@ -65,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     from frontal_biped.analysis.cross_check import cross_check
     from frontal_biped.analysis.walk_summary import walk_summary
-    from frontal_biped.cli.sources import load_walker
+    from frontal_biped.cli.sources import load_any_walker
     from frontal_biped.exceptions import SimulationError
     from frontal_biped.simulation.disturbances import Disturbances
     from frontal_biped.simulation.trajectory import save_trajectory
@@ -73,7 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     for path in _paths(arguments.output, _ENGINES_OF[arguments.engine]).values():
         require_output(path, arguments.gait, robot=arguments.robot)
-    biped, gait = load_walker(arguments.gait, arguments.robot)
+    biped, gait = load_any_walker(arguments.gait, arguments.robot)
     period = None if arguments.continuous else 1.0 / arguments.rate
     settings = sampled_settings(gait, period, outputs=arguments.controller)
     sensed = period is not None and arguments.stabiliser is None and settings.outputs == "linearising"

@@ -8,9 +8,10 @@ from typing import NamedTuple
 from frontal_biped.cli.progress import Progress
 from frontal_biped.exceptions import FrontalBipedError, GaitFileError
 from frontal_biped.files.kinds import RUN, SPACE_RUN, archive_format
-from frontal_biped.gait.file import gait_from_dict, load_gait
+from frontal_biped.gait.file import any_gait_from_dict, gait_of_run, load_any_gait, load_gait
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.robot_path import description_file
+from frontal_biped.gait.sideways import AnyGait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import load_robot
 from frontal_biped.model.space.free_robot import FreeRobot
@@ -25,7 +26,7 @@ class Source(NamedTuple):
 
     Attributes:
         biped: its robot.
-        gait: its gait; None of a run that does not tell.
+        gait: its gait; None of a run that does not tell, or that travels sideways.
         run: the run, or one of the gait.
     """
 
@@ -53,8 +54,8 @@ def load_source(path: Path, robot: str | None, run_of: Callable[[FrontalBiped, G
         return Source(biped, gait, run_of(biped, gait))
     run = load_trajectory(path)
     if "format" in run.gait:
-        gait = gait_from_dict(dict(run.gait), f"{path}: gait")
-        return Source(robot_of(gait, robot, path), gait, run)
+        told = any_gait_from_dict(dict(run.gait), f"{path}: gait")
+        return Source(robot_of(told, robot, path), told if isinstance(told, Gait) else None, run)
     return Source(_robot_of_run(path, run.robot, robot), None, run)
 
 
@@ -100,7 +101,7 @@ def load_spatial_source(path: Path, robot: str | None) -> SpatialSource:
         FrontalBipedError: the robot is not found, or has other joints than the run.
     """
     run = load_spatial_run(path)
-    gait = gait_from_dict(dict(run.gait), f"{path}: gait") if "format" in run.gait else None
+    gait = gait_of_run(run.gait, f"{path}: gait")
     biped = robot_of(gait, robot, path) if gait is not None else _robot_of_run(path, run.robot, robot)
     free = FreeRobot(biped.robot)
     if free.joint_names != run.joint_names:
@@ -124,7 +125,13 @@ def load_walker(path: Path, robot: str | None) -> tuple[FrontalBiped, Gait]:
     return robot_of(gait, robot, path), gait
 
 
-def robot_of(gait: Gait, robot: str | None, path: Path) -> FrontalBiped:
+def load_any_walker(path: Path, robot: str | None) -> tuple[FrontalBiped, AnyGait]:
+    """The gait of a file, on the spot or sideways, and the robot that walks it."""
+    gait = load_any_gait(path)
+    return robot_of(gait, robot, path), gait
+
+
+def robot_of(gait: AnyGait, robot: str | None, path: Path) -> FrontalBiped:
     """The robot asked for, or the one the gait names; says so when it is not the one the gait was designed for.
 
     Args:
@@ -141,7 +148,7 @@ def robot_of(gait: Gait, robot: str | None, path: Path) -> FrontalBiped:
     return biped
 
 
-def _named_robot(gait: Gait, path: Path) -> FrontalBiped:
+def _named_robot(gait: AnyGait, path: Path) -> FrontalBiped:
     file = description_file(gait.robot.description)
     if not file.is_file():
         raise GaitFileError(

@@ -21,6 +21,8 @@ another specification and says where its branch ends; `pareto_front` and `degree
 from frontal_biped.design.continuation import Branch, follow_branch
 from frontal_biped.design.explanation import Conflict, Remedy
 from frontal_biped.design.optimise import DesignResult, optimise_gait
+from frontal_biped.design.sideways import SidewaysResult, design_sideways_gait
+from frontal_biped.design.sideways_studies import TravelPoint, cost_of_travel, fastest_travel
 from frontal_biped.design.studies import StudyPoint, cost_over, degree_study, pareto_front
 from frontal_biped.design.tightening import Tightening
 from frontal_biped.design.transition import Transition, design_transition
@@ -33,15 +35,20 @@ __all__ = [
     "Conflict",
     "DesignResult",
     "Remedy",
+    "SidewaysResult",
     "StudyPoint",
     "Transition",
+    "TravelPoint",
     "Verification",
+    "cost_of_travel",
     "cost_over",
     "degree_study",
     "Tightening",
     "WalkTrial",
     "design_gait",
+    "design_sideways_gait",
     "design_transition",
+    "fastest_travel",
     "follow_branch",
     "optimise_gait",
     "pareto_front",

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from frontal_biped.design.sideways_studies import TravelPoint
 from frontal_biped.design.studies import StudyPoint
 from frontal_biped.figures.style import BLACK, BLUE, GREEN, PURPLE, VERMILION, legend_above, new_figure, styled
 
@@ -61,6 +62,31 @@ def cost_figure(rolls: Mapping[str, Sequence[StudyPoint]], durations: Mapping[st
             legend_above(ax, 2)
     upper.set_xlabel("largest pelvis roll allowed [degrees]")
     lower.set_xlabel("step duration [s]")
+    figure.align_ylabels([upper, lower])
+    return figure
+
+
+@styled
+def travel_figure(series: Mapping[str, Sequence[TravelPoint]]) -> "Figure":
+    """What travelling sideways costs: int u'u dt for each metre on the way over the speed, and J of the same gaits.
+
+    Args:
+        series: of `cost_of_travel`, by name, at most five; points without a gait, and without travel, are left out.
+    """
+    figure = new_figure("travel", 4.6)
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    for (name, points), (colour, mark, line) in zip(series.items(), _MARKS, strict=False):
+        gaits = [point.gait for point in points if point.gait is not None and point.gait.travel > 0.0]
+        speeds = [gait.speed for gait in gaits]
+        for ax, costs in ((upper, [gait.cost_of_travel for gait in gaits]), (lower, [gait.cost for gait in gaits])):
+            ax.plot(speeds, costs, color=colour, marker=mark, linestyle=line, markersize=4.0, label=name)
+    upper.set_ylabel("cost for each metre [N² m s]")
+    lower.set_ylabel(COST_LABEL)
+    lower.set_xlabel("speed sideways [m/s]")
+    for ax in (upper, lower):
+        ax.set_ylim(bottom=0.0)
+    if len(series) > 1:
+        legend_above(upper, 2)
     figure.align_ylabels([upper, lower])
     return figure
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from frontal_biped.exceptions import UnknownNameError
 from frontal_biped.figures.space import space_figure_makers
 from frontal_biped.figures.write import figure_makers
-from frontal_biped.gait.file import gait_from_dict
+from frontal_biped.gait.file import gait_of_run
 from frontal_biped.gait.told_robot import told_robot
 from frontal_biped.model.catalogue import RobotLike, biped_of
 from frontal_biped.model.space.free_robot import FreeRobot
@@ -34,7 +34,7 @@ def plot(run: Trajectory | SpatialRun, name: str | None = None, robot: RobotLike
         MissingExtraError: Matplotlib is not installed.
     """
     biped = told_robot(run.gait, run.robot) if robot is None else biped_of(robot)
-    gait = gait_from_dict(dict(run.gait), "the gait of the run") if "format" in run.gait else None
+    gait = gait_of_run(run.gait, "the gait of the run")
     makers: Mapping[str, Callable[[], Figure]]
     if isinstance(run, SpatialRun):
         orbit = None if gait is None else orbit_trajectory(biped, gait, 1)

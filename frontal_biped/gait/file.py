@@ -19,6 +19,7 @@ remedy. Version 1, which is read as well, has the fields of its one step beside 
 """
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -144,6 +145,16 @@ def any_gait_from_dict(table: Any, where: str) -> AnyGait:
             " that lands wide comes first, exchange them"
         )
     return SidewaysGait(reference, a, b, provenance)
+
+
+def gait_of_run(content: Mapping[str, Any], where: str) -> Gait | None:
+    """The gait of equal steps that a run tells of, to be drawn beside it; None where it tells of none, or of two steps.
+
+    Raises:
+        GaitFileError: as `load_any_gait`.
+    """
+    gait = any_gait_from_dict(dict(content), where) if "format" in content else None
+    return gait if isinstance(gait, Gait) else None
 
 
 def _equal_steps(gait: AnyGait, where: str) -> Gait:

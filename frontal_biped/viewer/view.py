@@ -9,7 +9,7 @@ from typing import Any
 from frontal_biped.exceptions import FrontalBipedError
 from frontal_biped.files.atomic import write_text
 from frontal_biped.files.kinds import RUN, SPACE_RUN, archive_format
-from frontal_biped.gait.file import gait_from_dict, gait_to_dict
+from frontal_biped.gait.file import gait_of_run, gait_to_dict
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.given import Designed, gait_of
 from frontal_biped.gait.told_robot import told_robot
@@ -156,7 +156,7 @@ def _spatial(run: SpatialRun, robot: RobotLike | None) -> View:
             f"the walk has {len(run.joint_names)} joints, {free.name} moves {len(free.joint_names)}, or in another"
             " order; give its robot: view(run, robot)"
         )
-    gait = gait_from_dict(dict(run.gait), "the gait of the run") if "format" in run.gait else None
+    gait = gait_of_run(run.gait, "the gait of the run")
 
     def page() -> str:
         return exported_page(space_show(free, run, None if gait is None else orbit_trajectory(biped, gait, 1)))

@@ -4,6 +4,8 @@ import builtins
 import re
 import sys
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +17,7 @@ from frontal_biped.exceptions import MissingExtraError, RobotError
 from frontal_biped.figures import write as figures
 from frontal_biped.figures.robustness import smooth
 from frontal_biped.figures.time import clearance_profile
-from frontal_biped.gait import load_gait
+from frontal_biped.gait import load_any_gait, load_gait
 from frontal_biped.model import Robot, load_robot, models_dir
 
 UNIT = re.compile(r"\[[^\]]+\]")
@@ -206,6 +208,21 @@ def test_cost_figure_shows_failures_too():
     assert UNIT.search(upper.get_xlabel()) and UNIT.search(lower.get_xlabel())
     np.testing.assert_allclose(upper.get_lines()[0].get_xdata(), [5.0, 10.0, 20.0])
     np.testing.assert_allclose(upper.get_lines()[1].get_xdata(), [2.0])  # the cross
+
+
+def test_travel_figure_leaves_out_what_does_not_travel():
+    from frontal_biped.design import TravelPoint
+    from frontal_biped.figures.design import travel_figure
+
+    gait = load_any_gait(Path(__file__).parents[1] / "data" / "sideways.gait.json")
+    on_the_spot = replace(gait, a=replace(gait.a, step_width=gait.b.step_width))
+    points = [TravelPoint(0.1, 0.8, one, "") for one in (on_the_spot, gait, None)]
+    figure = travel_figure({"one": points, "other": points})
+    assert_fit_for_a_column(figure)
+    upper, lower = figure.get_axes()
+    assert all(UNIT.search(text) for text in (upper.get_ylabel(), lower.get_ylabel(), lower.get_xlabel()))
+    for ax, cost in ((upper, gait.cost_of_travel), (lower, gait.cost)):
+        np.testing.assert_allclose(ax.get_lines()[0].get_xydata(), [[gait.speed, cost]])
 
 
 @pytest.mark.parametrize("kind", figures.FORMATS)
