@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from frontal_biped.scenarios.run import TrialResult, run_scenario
     from frontal_biped.scenarios.scenario import Scenario
     from frontal_biped.simulation.space.run import SpatialRun, load_spatial_run, save_spatial_run
+    from frontal_biped.simulation.space.walk_path import walk_path
     from frontal_biped.simulation.space.walk_spatial import walk_spatial
     from frontal_biped.simulation.trajectory import Trajectory, load_trajectory, save_trajectory
     from frontal_biped.simulation.walking import simulate
@@ -79,6 +80,7 @@ __all__ = [
     "save_trajectory",
     "simulate",
     "view",
+    "walk_path",
     "walk_spatial",
     "whole_motion",
 ]
@@ -111,6 +113,7 @@ _HOME = {
     "save_trajectory": "simulation",
     "simulate": "simulation",
     "view": "viewer",
+    "walk_path": "simulation",
     "walk_spatial": "simulation",
     "whole_motion": "simulation",
 }

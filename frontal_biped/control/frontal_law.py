@@ -13,12 +13,6 @@ that swing forwards, and an impact with every joint free) comes back at every st
 A gait that travels sideways has two steps in turn: phases and orbit are those of the step that is walked on the foot
 that stands. Its wide step A belongs to the foot that stands where the law is reset: on the left foot the robot travels
 to its right.
-
-A first step out of double support is another one. Both feet at rest, no leg swings yet, while after an impact of the
-gait much of the momentum about the stance ankle is that of swinging legs. Slope errors are faded out along most of its
-rising phase, and its energy is that of a pendulum over one FRI which turns where the orbit does,
-
-.. math:: E_1(s) = \tfrac12 \omega^2 \left[(s - p)^2 - (s_r - p)^2\right].
 """
 
 from dataclasses import dataclass, field
@@ -40,15 +34,9 @@ from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
 from frontal_biped.model.sway import Sway
 from frontal_biped.virtual_constraints.phase import StepPhase
-from frontal_biped.virtual_constraints.swayed import SLOPE_SHARE, BegunPhase, OtherEnd, SwayedPhase
+from frontal_biped.virtual_constraints.swayed import BegunPhase, OtherEnd, SwayedPhase
 from frontal_biped.zero_dynamics.poincare import StepOrbit
 from frontal_biped.zero_dynamics.sway_orbit import SwayOrbit
-
-FIRST_FRI = 0.3
-"""p, where the FRI of a first step is, as a share of the sole inwards of the ankle [-]."""
-
-FIRST_SLOPE_SHARE = 0.8
-"""Share of its rising phase along which slope errors are faded out [-]."""
 
 LEARNED = 0.2
 """Share of the sole, from the ankle to either end, that the learned offset may take [-]."""
@@ -169,7 +157,6 @@ class FrontalLaw:
         self._until_settled = np.inf
         self._fallen = True  # the first step is not learned from: it began where it was put
         self.widening = 0.0
-        self._first = False
 
     @cached_property
     def widths(self) -> LandingWidths:
@@ -193,11 +180,10 @@ class FrontalLaw:
             widening: how much wider than the gait's this step is to land [m].
             out_of_double_support: has the other foot been lifted, instead?
         """
-        self._first = out_of_double_support
         # of steps that begin or end at another width the energy half-way down is not the orbit's
         self._fallen = bool(widening or self.widening or out_of_double_support)
         self._stance, self._since, self.widening = stance, 0.0, widening
-        self._until_settled = (not self._first and self.settings.settle) or np.inf
+        self._until_settled = self.settings.settle or np.inf
         self._begin(StepPhase.RISING, sway, state.q[1:], state.dq[1:])
 
     def at(
@@ -235,33 +221,15 @@ class FrontalLaw:
             self._learn(sway)
             shift += self.offset[self._stance]
         asked = self._begun.at(sway.value)
-        fri = self.first_fri if self._first and phase is StepPhase.RISING else asked.p_fri
         y, dy = pose - asked.h_d, rates - asked.h_d1 * sway.rate
         ddy = -self._kp * y - self._kd * dy
         outer, inner = self._sole
-        p_fri = min(max(fri + shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
+        p_fri = min(max(asked.p_fri + shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
         return FrontalTargets(Targets(asked.h_d1, asked.h_d2 * sway.rate**2, ddy, p_fri, sway=sway), y, dy)
 
     def _begin(self, phase: StepPhase, sway: Sway, pose: FloatArray, rates: FloatArray) -> None:
         slope = rates / sway.rate if abs(sway.rate) > SLOWEST else None
-        share = FIRST_SLOPE_SHARE if self._first else SLOPE_SHARE
-        self._begun = self._of_foot[self._stance].phases[phase].begun(sway.value, pose, slope, self._end(phase), share)
-
-    @property
-    def first_fri(self) -> float:
-        """p of a first step [m]."""
-        return FIRST_FRI * self._sole[1]
-
-    def first_energy(self, s: float) -> float:
-        """E_1 [m^2/s^2] of a first step at a sway [m]."""
-        p, orbit = self.first_fri, self.orbit
-        return 0.5 * orbit.omega**2 * ((s - p) ** 2 - (orbit.reversal - p) ** 2)
-
-    def energy_error(self, phase: StepPhase, sway: Sway) -> float:
-        """By how much the energy sideways is above what is to be there [m^2/s^2]."""
-        if self._first and phase is StepPhase.RISING:
-            return 0.5 * sway.rate**2 - self.first_energy(sway.value)
-        return self.orbit.error(phase, sway.value, sway.rate)
+        self._begun = self._of_foot[self._stance].phases[phase].begun(sway.value, pose, slope, self._end(phase))
 
     def _end(self, phase: StepPhase) -> OtherEnd | None:
         """Where a phase is to end, if not as planned."""
@@ -291,7 +259,7 @@ class FrontalLaw:
         # the foot rocks after a landing, and the estimate with it
         trust = min(max(self._since / settings.blank - 1.0, 0.0), 1.0)
         length = phase.sign * settings.length * self.orbit.ranges[phase]
-        wanted = trust * self.energy_error(phase, sway) / length - bias[stance]
+        wanted = trust * self.orbit.error(phase, sway.value, sway.rate) / length - bias[stance]
         return -wanted / self.orbit.omega**2
 
     def _learn(self, sway: Sway) -> None:

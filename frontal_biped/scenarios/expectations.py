@@ -25,6 +25,8 @@ AT_MOST: Mapping[str, tuple[str, str]] = {
     "yaw_drift": ("change of the heading", "rad"),
     "joint_speed": ("largest joint speed, of the limit", ""),
     "self_collisions": ("instants at which links touch", ""),
+    "path_distance": ("distance from the end of the path", "m"),
+    "path_angle": ("angle from the end of the path", "rad"),
 }
 """Upper bounds by the keys of `Expectations`: what is measured, in words, and its unit."""
 
@@ -73,7 +75,12 @@ def judge(prepared: Prepared, run: AnyRun, measured: Mapping[str, float]) -> tup
     expect, asked = prepared.scenario.expect, prepared.scenario.expect.steps or prepared.scenario.steps
     walked = run.steps_completed
     fate = "" if not run.fell else f", then it fell: {run.outcome}"
-    findings = [Finding("steps", walked >= asked, f"walked {walked} of {asked} steps{fate}", float(walked))]
+    told, path = f"walked {walked} of {asked} steps{fate}", run.settings.get("path")
+    held = walked >= asked
+    if path is not None:
+        held = bool(path["arrived"])
+        told = f"{'arrived' if held else 'did not arrive'} after {walked} steps{fate}"
+    findings = [Finding("steps", held, told, float(walked))]
     for key, (label, unit) in AT_MOST.items():
         bound = getattr(expect, key)
         if bound is None:

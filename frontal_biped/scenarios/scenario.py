@@ -139,6 +139,7 @@ class SpacePlan:
     Attributes:
         commands: changes of speed, in the order of the file.
         pushes: on any link.
+        path: words of the path that is walked, "" for none.
         factors: of all masses and inertias, by name [-].
         within: bounds of `SpatialErrors.draw`, by name.
         velocity_noise: standard deviation of the joint rates that are read [rad/s]; None: exact, and left out where
@@ -150,6 +151,7 @@ class SpacePlan:
     factors: Mapping[str, float] = field(default_factory=dict)
     within: Mapping[str, float] = field(default_factory=dict)
     velocity_noise: Value | None = None
+    path: str = ""
 
     @property
     def drawn(self) -> list[Any]:
@@ -185,6 +187,8 @@ class Expectations:
         yaw_drift: largest change of the pelvis' heading [rad]; in space only.
         joint_speed: largest joint speed as a share of the robot's limits [-]; in space only.
         self_collisions: instants at which links touch, at most; in space only.
+        path_distance: from where a path was to end, at most [m]; in space only.
+        path_angle: from where the robot was to look there, at most [rad]; in space only.
         survival: least share of the trials in which all of the above holds [-].
     """
 
@@ -206,6 +210,8 @@ class Expectations:
     yaw_drift: float | None = None
     joint_speed: float | None = None
     self_collisions: int | None = None
+    path_distance: float | None = None
+    path_angle: float | None = None
     survival: float = 1.0
 
 

@@ -7,6 +7,7 @@ Everything that `frontal_biped.scenarios.file` lists holds in space too, but for
     speed = 0.2                            # m/s, forwards, from the start; a number or a range, as all below
     lateral = 0.0                          # m/s, to the left
     turn = 0.0                             # rad/s, to the left
+    path = "forward 2; turn 90; stop"      # in place of speeds: from a stand to a stand; steps: after which it gives up
     # no simulator, MuJoCo walks; no flat_landing
 
     [controller]                           # or controller = "walker", "my_module:make"
@@ -42,11 +43,14 @@ Everything that `frontal_biped.scenarios.file` lists holds in space too, but for
     torque = 1.0                           # of the limits of any joint
     joint_speed = 1.0                      # of the limits of any joint
     self_collisions = 0                    # instants at which links touch, at most
+    path_distance = 0.1                    # m, from where the path was to end; in truth, not by odometry
+    path_angle = 0.09                      # rad
 """
 
 from pathlib import Path
 from typing import Any
 
+from frontal_biped.control.path.language import PathError, parse_path
 from frontal_biped.exceptions import ScenarioError
 from frontal_biped.files.table import Range, Table, Value
 from frontal_biped.scenarios.moments import read_moment, tables_of
@@ -56,23 +60,28 @@ from frontal_biped.simulation.pushes import PROFILES
 _SPEEDS = {"speed": (3.0, "m/s"), "lateral": (3.0, "m/s"), "turn": (3.0, "rad/s")}
 """Largest size of each, and its unit."""
 
-SPACE_KEYS = (*_SPEEDS, "command")
+SPACE_KEYS = (*_SPEEDS, "command", "path")
 """Keys and sections of a scenario file that only a walk in space has."""
 
 SPACE_EXPECTED = {
     "cop_margin": (-1.0, 1.0, "m"),
     "yaw_drift": (1e-9, 10.0, "rad"),
     "joint_speed": (1e-6, 10.0, "(share of the limits)"),
+    "path_distance": (1e-9, 100.0, "m"),
+    "path_angle": (1e-9, 4.0, "rad"),
 }
 
 _ONLY_IN_SPACE = (*SPACE_EXPECTED, "walking_speed", "self_collisions")
+_OF_PATHS = ("path_distance", "path_angle")
 _ONLY_IN_THE_PLANE = ("stabiliser",)
 
 
 def read_space(path: Path, table: Table) -> SpacePlan:
     """What only a walk in space has, from the table of a scenario file."""
     factors, within = _model(path, table)
-    return SpacePlan(_commands(path, table), _pushes(path, table), factors, within, _velocity_noise(path, table))
+    return SpacePlan(
+        _commands(path, table), _pushes(path, table), factors, within, _velocity_noise(path, table), _path(path, table)
+    )
 
 
 def check_space(scenario: Scenario, table: Table) -> None:
@@ -91,6 +100,14 @@ def check_space(scenario: Scenario, table: Table) -> None:
     for key in _ONLY_IN_THE_PLANE:
         if getattr(scenario.controller, key) is not None:
             raise ScenarioError(f"{path}: [controller] {key}: of walks in the plane only; leave it out")
+    if not scenario.space.path:
+        for key in _OF_PATHS:
+            if getattr(expect, key) is not None:
+                raise ScenarioError(f'{path}: [expect] {key}: of walks along a path only; write path = "forward 2"')
+    elif scenario.space.commands:
+        raise ScenarioError(f"{path}: speed, lateral, turn or [[command]] beside path; write rates there, or leave it")
+    elif scenario.controller.kind != "walker":
+        table.refuse("path", "only the walker of this package follows one; leave controller out")
     for i, command in enumerate(scenario.space.commands):
         if command.step is not None and command.step >= scenario.steps:
             raise ScenarioError(
@@ -175,6 +192,17 @@ def _model(path: Path, table: Table) -> tuple[dict[str, float], dict[str, float]
         else:
             factors[key] = section.number(key, 1.0, 0.05, 20.0, "(factor)")
     return factors, within
+
+
+def _path(path: Path, table: Table) -> str:
+    if "path" not in table:
+        return ""
+    words = table.text("path", "")
+    try:
+        parse_path(words)
+    except PathError as error:
+        raise ScenarioError(f"{path}: {error}") from None
+    return words
 
 
 def _velocity_noise(path: Path, table: Table) -> Value | None:

@@ -11,6 +11,7 @@ from frontal_biped.scenarios.space_run import in_space
 from frontal_biped.simulation.space.run import SpatialRun
 from frontal_biped.simulation.space.soles import bearing, friction_used, pressure_in_sole, standing
 from frontal_biped.simulation.space.steps import step_table
+from frontal_biped.simulation.space.walk_path import missed
 
 LOADED = 0.1
 """Share of the weight that a foot carries where its friction and centre of pressure count: below, a landing rings."""
@@ -42,8 +43,16 @@ def spatial_measures(prepared: Prepared, run: SpatialRun) -> dict[str, float]:
         "self_collisions": float(measured.get("self_collision", {}).get("touching", 0)),
         "foot_slip": of_steps(measured, "slip"),
         "foot_rotation": of_steps(measured, "rotation"),
+        **_of_path(run),
         **of_every_run(prepared, run),
     }
+
+
+def _of_path(run: SpatialRun) -> dict[str, float]:
+    if "path" not in run.settings:
+        return dict.fromkeys(("path_distance", "path_angle"), float("nan"))
+    miss = missed(run)
+    return {"path_distance": miss.distance, "path_angle": miss.angle}
 
 
 def _mean(values: FloatArray, weights: FloatArray) -> float:

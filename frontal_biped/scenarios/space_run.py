@@ -9,12 +9,14 @@ import numpy as np
 from frontal_biped.control.joint_law import is_joint_law
 from frontal_biped.control.spatial_walker.interface import SpatialTickable
 from frontal_biped.control.spatial_walker.law_walker import SpatialLawWalker
+from frontal_biped.control.spatial_walker.path_walker import PathWalker
 from frontal_biped.control.spatial_walker.walker import SpatialWalker
 from frontal_biped.control.whole_body.settings import WholeBodySettings
 from frontal_biped.exceptions import FrontalBipedError, ScenarioError
 from frontal_biped.gait.file import gait_to_dict
 from frontal_biped.model.space.errors import SpatialErrors
 from frontal_biped.model.space.free_robot import FreeRobot
+from frontal_biped.model.stance_map import Stance
 from frontal_biped.scenarios.controllers import Factory, made_by, named_factory
 from frontal_biped.scenarios.preparation import Draws, Picker, Prepared, start_of_push
 from frontal_biped.scenarios.scenario import CommandPlan, SpacePlan, SpatialPushPlan
@@ -23,7 +25,8 @@ from frontal_biped.simulation.disturbances import Disturbances
 from frontal_biped.simulation.space.pushes import SpatialPush
 from frontal_biped.simulation.space.run import SpatialRun
 from frontal_biped.simulation.space.settings import SpatialSettings, SpeedChange
-from frontal_biped.simulation.space.start import start_in_space
+from frontal_biped.simulation.space.start import standing_in_space, start_in_space
+from frontal_biped.simulation.space.walk_path import path_walker, with_path
 from frontal_biped.simulation.space.walking import walk_in_space
 from frontal_biped.simulation.walking import start_state
 
@@ -115,15 +118,17 @@ def spatial_walker(
     Raises:
         ScenarioError: the user's module or factory cannot be used; one line with the reason.
     """
-    scenario, (free, _) = prepared.scenario, in_space(prepared)
+    scenario, (free, plan) = prepared.scenario, in_space(prepared)
     choice = scenario.controller
     period = choice.period
     if own is None and choice.kind == "walker":
         delay = drawn.settings.disturbances.delay if choice.delay is None else choice.delay
         settings = WholeBodySettings(**dict(choice.settings)) if choice.settings else None
-        return SpatialWalker(
-            free, prepared.biped, prepared.gait, period=period, delay=period * round(delay / period), settings=settings
-        )
+        delay = period * round(delay / period)
+        if plan.path:
+            biped, gait = prepared.biped, prepared.gait
+            return path_walker(free, biped, gait, plan.path, period=period, delay=delay, settings=settings)
+        return SpatialWalker(free, prepared.biped, prepared.gait, period=period, delay=delay, settings=settings)
     where = f"{scenario.path}: controller = {choice.kind!r}" if own is None else "the controller given"
     made: Any = named_factory(scenario) if own is None else own
     if isinstance(made, type) or not (_is_walker(made) or is_joint_law(made)):
@@ -156,21 +161,25 @@ def walk_trial(
     Raises:
         ScenarioError: the legs do not reach the start of the gait.
     """
-    scenario, (free, _), gait = prepared.scenario, in_space(prepared), prepared.gait
+    scenario, (free, plan), gait = prepared.scenario, in_space(prepared), prepared.gait
     try:
-        start = start_in_space(free, prepared.biped, start_state(gait, drawn.speed_error), scenario.stance)
+        if plan.path:
+            start = standing_in_space(free, prepared.biped, gait)
+        else:
+            start = start_in_space(free, prepared.biped, start_state(gait, drawn.speed_error), scenario.stance)
     except FrontalBipedError as error:
         raise ScenarioError(f"{scenario.path}: robot = {scenario.robot!r}: {error}") from None
-    return walk_in_space(
+    run = walk_in_space(
         free,
         walker,
         start,
         drawn.settings,
-        stance=scenario.stance,
+        stance=Stance.LEFT if plan.path else scenario.stance,
         errors=drawn.errors,
         on_step=on_step,
         gait=gait_to_dict(gait),
     )
+    return with_path(run, walker, plan.path) if plan.path and isinstance(walker, PathWalker) else run
 
 
 def in_space(prepared: Prepared) -> tuple[FreeRobot, SpacePlan]:

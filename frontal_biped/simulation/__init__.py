@@ -9,6 +9,7 @@ from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.simulation.space.pushes import SpatialPush
 from frontal_biped.simulation.space.run import SpatialRun, load_spatial_run, save_spatial_run
 from frontal_biped.simulation.space.settings import SpatialSettings, SpeedChange
+from frontal_biped.simulation.space.walk_path import walk_path
 from frontal_biped.simulation.space.walk_spatial import walk_spatial
 from frontal_biped.simulation.trajectory import Trajectory, load_trajectory, save_trajectory
 from frontal_biped.simulation.walking import simulate
@@ -32,6 +33,7 @@ __all__ = [
     "save_trajectory",
     "simulate",
     "simulate_walk",
+    "walk_path",
     "walk_spatial",
     "whole_motion",
     "world_configurations",

@@ -127,7 +127,6 @@ class SwayedPhase:
         pose: FloatArray,
         slope: FloatArray | None,
         other_end: "OtherEnd | None" = None,
-        slope_share: float = SLOPE_SHARE,
     ) -> "BegunPhase":
         """The phase from where the robot is.
 
@@ -136,12 +135,11 @@ class SwayedPhase:
             pose: (3,) body coordinates there [rad].
             slope: (3,) their derivative with respect to s [rad/m]; None: that of the plan.
             other_end: where it ends; None: as planned.
-            slope_share: share of the phase in which an error of the slope is faded out [-].
         """
         end = AS_PLANNED if other_end is None else other_end
         plain = BegunPhase(self, s, np.zeros(3), np.zeros(3), end).at(s)
         error = np.zeros(3) if slope is None else slope - plain.h_d1
-        return BegunPhase(self, s, pose - plain.h_d, error, end, slope_share)
+        return BegunPhase(self, s, pose - plain.h_d, error, end)
 
 
 class BegunPhase:
@@ -153,7 +151,6 @@ class BegunPhase:
         error: (3,) of the pose there [rad].
         slope_error: (3,) of the slope there [rad/m].
         other_end: where it ends, and in which pose.
-        slope_share: share of the phase in which an error of the slope is faded out [-].
     """
 
     def __init__(
@@ -163,9 +160,8 @@ class BegunPhase:
         error: FloatArray,
         slope_error: FloatArray,
         other_end: OtherEnd = AS_PLANNED,
-        slope_share: float = SLOPE_SHARE,
     ) -> None:
-        self._planned, self._slope_share = planned, slope_share
+        self._planned = planned
         sense = 1.0 if planned.end > planned.start else -1.0
         self._start, self._end_error = s, other_end.error
         least = min(LEAST_RANGE, abs(planned.end - planned.start))
@@ -201,9 +197,9 @@ class BegunPhase:
         h = value[BODY] + self._end_error + change * ((1.0 + 2.0 * u) * w * w)
         h1 = first[BODY] * k + change * (-6.0 * u * w / length)
         h2 = second[BODY] * k**2 + change * (-6.0 * (1.0 - 2.0 * u) / length**2)
-        x = u / self._slope_share
+        x = u / SLOPE_SHARE
         if x < 1.0:
-            w, short = 1.0 - x, self._slope_share * length
+            w, short = 1.0 - x, SLOPE_SHARE * length
             h = h + self._slope_error * (short * x * w * w)
             h1 = h1 + self._slope_error * (w * w - 2.0 * x * w)
             h2 = h2 + self._slope_error * ((2.0 * x - 4.0 * w) / short)

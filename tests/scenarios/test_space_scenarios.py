@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from standing import Stander
 
+from frontal_biped.control.spatial_walker.path_walker import PathWalker
 from frontal_biped.control.spatial_walker.walker import SpatialWalker
 from frontal_biped.exceptions import ScenarioError
 from frontal_biped.files.table import Range
@@ -239,3 +240,43 @@ def test_expectations_of_space(short_walk, expected, held):
     (key,) = expected
     assert findings[key].held is held
     assert findings["steps"].held
+
+
+# ---------------------------------------------------------------------- along a path
+PATH = """
+space = true
+robot = "talos_full"
+path = "stand 0.2; forward 0.1; stop"
+steps = 20
+[expect]
+path_distance = 0.05
+path_angle = 0.05
+"""
+
+
+def test_a_path_is_walked_by_its_own_walker(write):
+    prepared = prepare(load_scenario(write(PATH)))
+    walker = spatial_walker(prepared, spatial_conditions(prepared, trial_seed(0, 0)))
+    assert isinstance(walker, PathWalker)
+    assert [leg.verb.value for leg in walker.follower.legs] == ["stand", "forward", "stop"]
+
+
+@pytest.mark.parametrize(("old", "new", "says"), [
+    ("forward 0.1", "hop 1", "command 2 ('hop 1'): no command 'hop'"),
+    ("steps = 20", "steps = 20\nspeed = 0.2", "beside path; write rates there"),
+    ('path = "stand 0.2; forward 0.1; stop"', "", "[expect] path_distance: of walks along a path only"),
+    ("steps = 20", 'steps = 20\ncontroller = "module:make"', "only the walker of this package follows one"),
+])  # fmt: skip
+def test_what_makes_no_walk_along_a_path_is_refused(write, old, new, says):
+    with pytest.raises(ScenarioError) as refused:
+        load_scenario(write(PATH.replace(old, new)))
+    assert says in str(refused.value)
+
+
+@pytest.mark.slow
+def test_a_walk_along_a_path_is_judged_by_its_end(write):
+    result = run_scenario(load_scenario(write(PATH)))
+    assert result.passed
+    told = {finding.key: finding for finding in result.findings}
+    assert told["steps"].text.startswith("arrived after")
+    assert abs(told["path_distance"].value) < 0.05

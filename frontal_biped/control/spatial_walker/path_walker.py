@@ -14,7 +14,7 @@ from frontal_biped.control.interface import PhaseEvent
 from frontal_biped.control.path.follower import PathFollower
 from frontal_biped.control.path.pose import Pose
 from frontal_biped.control.spatial_walker.interface import SpatialCommand, SpatialReading
-from frontal_biped.control.spatial_walker.standing import StandingLaw, StandingSettings, Start
+from frontal_biped.control.spatial_walker.standing import StandingLaw, StandingSettings, Start, push_off_speed
 from frontal_biped.control.spatial_walker.swing_path import MinimumJerk
 from frontal_biped.control.spatial_walker.walker import SpatialWalker
 from frontal_biped.control.whole_body.both_feet import BothFeetProgram, BothFeetTargets
@@ -112,7 +112,7 @@ class PathWalker(SpatialWalker):
         """Begin to stand."""
         self.standing, self._stood, self._on_two = True, 0.0, 0.0
         self._start: Start | None = None
-        self._gathered = 0.0
+        self._gathered = self._push_off = 0.0
         state = self.state.at(self.estimator.q, self.estimator.v, self.plan.heading)
         for side, led in self._lengths.items():
             length = self._length(state, side)
@@ -134,12 +134,7 @@ class PathWalker(SpatialWalker):
             if self._lift_now(state):
                 self._lift()
                 return self._step(event)
-        for led in self._lengths.values():
-            left = self._standing_settings.recovery - self._on_two
-            if left > 3.0 * h:
-                led.towards(0.0, left, h)
-            else:
-                led.start(0.0, 0.0)
+        self._lead_lengths()
         left = self._standing_settings.recovery - self._on_two
         if left > 3.0 * h:
             self._pelvis_yaw.towards(0.0, left, h)
@@ -192,12 +187,29 @@ class PathWalker(SpatialWalker):
         self.stance = first
         orbit, width = frontal.orbit, frontal.widths.width
         s = orbit.ends(StepPhase.RISING)
-        speed = float(np.sqrt(2.0 * frontal.first_energy(s)))
+        speed = float(np.sqrt(2.0 * orbit.energy(StepPhase.RISING, s)))
+        self._push_off = push_off_speed(self.biped, self.gait, speed)
         half = 0.5 * width
         self._start = Start(
             self.sagittal.omega, settings.reach * half, settings.ramp, settings.given, half - s, speed, first
         )
         self._gathered = 0.0
+
+    def _lead_lengths(self) -> None:
+        """One period on: both legs to their own lengths, and the one that is to swing pushes off before it does."""
+        h = self.period
+        for side, led in self._lengths.items():
+            left, speed = self._standing_settings.recovery - self._on_two, 0.0
+            if self._start is not None and side is not self.stance:
+                left, speed = self._start.duration - self._gathered, self._push_off
+                if left > self._standing_settings.push_off:
+                    continue
+            if left > 3.0 * h:
+                led.towards(0.0, left, h, speed)
+            elif speed:
+                led.coast(speed, h)
+            else:
+                led.start(0.0, 0.0)
 
     def _lift_now(self, state: SpaceState) -> bool:
         """Is the energy sideways that of the orbit, or is it late?"""
@@ -206,7 +218,7 @@ class PathWalker(SpatialWalker):
         if late < -0.5 * self._standing_settings.ramp:
             return False
         sway = state.sway(self.stance)
-        there = sway.rate < 0.0 and 0.5 * sway.rate**2 >= self.frontal.first_energy(sway.value)
+        there = sway.rate < 0.0 and self.frontal.orbit.error(StepPhase.RISING, sway.value, sway.rate) >= 0.0
         return there or late > self._standing_settings.late
 
     def _lift(self) -> None:

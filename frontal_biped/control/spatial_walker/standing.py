@@ -10,7 +10,7 @@ After the last landing nothing else is asked for: the error of xi, the speed at 
 rate k.
 
 **The first step** begins where the gait's rising phase does: the centre of mass at s_0 from the first stance ankle, on
-its way there with the speed of a first step (`FrontalLaw`). At rest it is next to the same place, without the speed.
+its way there with the speed of the orbit. At rest it is next to the same place, without the speed.
 The centre of pressure goes to that foot first, so that the centre of mass falls away from it, then to the other one,
 which sends it back, and half-way back before the other foot leaves the ground: straight ramps between places that it
 keeps. Along a ramp p = p_0 + r t the pendulum has the closed form
@@ -18,8 +18,12 @@ keeps. Along a ramp p = p_0 + r t the pendulum has the closed form
 .. math:: c(t) = p(t) + (c_0 - p_0) \cosh\omega t + \frac{\dot c_0 - r}{\omega} \sinh\omega t,
 
 and how far it goes to the first foot, and how long it stays at the other, are found so that the way ends at s_0 with
-that speed. The foot leaves the ground as soon as the energy sideways is that of a first step, which takes up what the
-lift is early or late.
+that speed. The foot leaves the ground as soon as the energy sideways is that of the orbit (`SwayOrbit.error`), or a
+moment later in any case; the energy law of the walk takes up what is missing.
+
+On legs that keep their lengths the pelvis would roll the other way until then: towards the foot that it leaves. So the
+leg that is to swing pushes off, its hip led as it moves right after an impact of the gait: at the end its length grows
+at the rate that this takes over a foot that still stands (`push_off_speed`), after it was drawn in before.
 """
 
 from collections.abc import Iterable
@@ -32,6 +36,8 @@ from scipy.optimize import fsolve
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.spatial_walker.sagittal import SagittalLaw
 from frontal_biped.exceptions import SimulationError
+from frontal_biped.gait.gait import Gait
+from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.space.virtual_legs import SpaceState, X, Y
 from frontal_biped.model.stance_map import Stance
 
@@ -51,6 +57,7 @@ class StandingSettings:
         still: speed of the centre of mass below which the robot is at rest [m/s].
         settled: time after a landing before the robot may be at rest [s].
         recovery: time in which both legs take their lengths back after a landing [s].
+        push_off: time in which the leg that is to swing pushes off [s].
     """
 
     rate: float = 3.0
@@ -62,6 +69,7 @@ class StandingSettings:
     still: float = 0.02
     settled: float = 0.3
     recovery: float = 0.4
+    push_off: float = 0.4
 
 
 class Start:
@@ -156,6 +164,26 @@ def _chain(omega: float, places: Iterable[tuple[float, float, float]]) -> list[_
         ways.append(way)
         c, dc, _ = way.at(way.duration)
     return ways
+
+
+def push_off_speed(biped: FrontalBiped, gait: Gait, speed: float) -> float:
+    """Rate of the swing leg's length just before its foot leaves the ground [m/s].
+
+    The hip moves as it does right after an impact of the gait, the foot still stands.
+
+    Args:
+        biped: the robot in the plane.
+        gait: its rising phase.
+        speed: of the centre of mass outwards there [m/s].
+    """
+    motion = gait.rising.motion(np.array([gait.rising.beta_start]))
+    q, dq = motion.q[0], motion.dq[0]
+    h = 1e-5
+    ahead, behind = biped.joint_positions(q + h * dq), biped.joint_positions(q - h * dq)
+    hip, ankle = biped.joint_positions(q)[-2:]
+    way = (ahead[-2] - behind[-2]) / (2.0 * h)
+    rate = -speed / float(biped.com_velocity(q, dq)[0])  # of beta: the sway falls while rising
+    return float((hip - ankle) @ way / np.linalg.norm(hip - ankle)) * rate
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,16 @@ from frontal_biped.control.path.language import PathError, parse_path
 from frontal_biped.control.path.pose import Pose, unwrapped
 from frontal_biped.control.spatial_walker.path_walker import PathWalker
 from frontal_biped.control.spatial_walker.standing import StandingSettings
+from frontal_biped.control.whole_body.settings import WholeBodySettings
 from frontal_biped.gait.file import gait_to_dict
+from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.given import GaitLike, gait_of
+from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import RobotLike, biped_of
 from frontal_biped.model.space.errors import SpatialErrors
 from frontal_biped.model.space.free_robot import FreeRobot
 from frontal_biped.simulation.disturbances import Disturbances
+from frontal_biped.simulation.settings import PERIOD
 from frontal_biped.simulation.space.falls import spatial_fall_remedy
 from frontal_biped.simulation.space.pushes import SpatialPush
 from frontal_biped.simulation.space.run import SpatialRun
@@ -69,19 +73,16 @@ def walk_path(
         HypothesisError: the robot is no frontal biped (HR1 to HR5).
         GaitFileError: there is no such gait.
     """
-    legs = parse_path(path)
+    parse_path(path)  # before anything else is done
     biped, gait = biped_of(robot), gait_of(gait)
     free = FreeRobot(biped.robot)
     chosen = settings or SpatialSettings(steps=MOST_STEPS, disturbances=disturbances or Disturbances(), pushes=pushes)
-    step = gait.step(biped)
-    duration = float(step.rising.duration + step.falling.duration)
-    end = gait.falling.motion(np.array([gait.falling.beta_end])).q[0]
-    way = PathFollower(legs, duration, float(biped.joint_positions(end)[-1, 0]), follower)
-    walker = PathWalker(
+    walker = path_walker(
         free,
         biped,
         gait,
-        follower=way,
+        path,
+        follower=follower,
         standing=standing,
         period=chosen.period,
         delay=chosen.disturbances.delay,
@@ -89,16 +90,58 @@ def walk_path(
     start = standing_in_space(free, biped, gait)
     told = gait_to_dict(gait) if content is None else content
     run = walk_in_space(free, walker, start, chosen, errors=errors, on_step=on_step, gait=told)
-    ended = ending(run)
+    run = with_path(run, walker, path)
+    remedy = spatial_fall_remedy(biped, gait, run)
+    return run if remedy is None else replace(run, settings={**run.settings, "remedy": remedy})
+
+
+def path_walker(
+    free: FreeRobot,
+    biped: FrontalBiped,
+    gait: Gait,
+    words: str,
+    *,
+    follower: FollowerSettings | None = None,
+    standing: StandingSettings | None = None,
+    period: float = PERIOD,
+    delay: float = 0.0,
+    settings: WholeBodySettings | None = None,
+) -> PathWalker:
+    """The walker of a path.
+
+    Args:
+        free: the robot as the walker believes it to be.
+        biped: the same in the plane.
+        gait: what to walk.
+        words: of the path.
+        follower: how fast it is followed, and how near.
+        standing: how the robot stands, starts and stops.
+        period: time between readings [s].
+        delay: from a reading to its torques [s].
+        settings: of the whole-body program.
+
+    Raises:
+        PathError: the words make no path.
+        SimulationError: the delay is no multiple of the period, or the centre of mass turns back along a phase.
+        RobotError: a leg has not six joints.
+    """
+    end = gait.falling.motion(np.array([gait.falling.beta_end])).q[0]
+    width = float(biped.joint_positions(end)[-1, 0])
+    way = PathFollower(parse_path(words), gait.step(biped).duration, width, follower)
+    return PathWalker(free, biped, gait, follower=way, standing=standing, period=period, delay=delay, settings=settings)
+
+
+def with_path(run: SpatialRun, walker: PathWalker, words: str) -> SpatialRun:
+    """A run that knows what came of its path (``settings["path"]``)."""
     kept = {
-        "words": path,
-        "asked": list(legs[-1].target),
+        "words": words,
+        "asked": list(walker.follower.legs[-1].target),
+        "corners": [list(leg.target) for leg in walker.follower.legs],
         "odometry": list(walker.odometry),
-        "ended": list(ended),
+        "ended": list(ending(run)),
         "arrived": walker.finished,
     }
-    remedy = spatial_fall_remedy(biped, gait, run)
-    return replace(run, settings={**run.settings, "path": kept, **({} if remedy is None else {"remedy": remedy})})
+    return replace(run, settings={**run.settings, "path": kept})
 
 
 def require_path(words: str, speeds: Mapping[str, float]) -> None:
