@@ -9,7 +9,6 @@ from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.space.steered import Order, Picture
 from frontal_biped.studio.steered_text import SIDE, Way, order_text, walk_text
 
-
 SPOT = Order()
 
 
