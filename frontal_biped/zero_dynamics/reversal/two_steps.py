@@ -44,7 +44,6 @@ from frontal_biped.numerics.chebyshev import Zero
 from frontal_biped.numerics.verdict import Verdict, below
 from frontal_biped.virtual_constraints.invariance import FreeParameters, complete_in_turn, free_parameters
 from frontal_biped.virtual_constraints.phase import Phase, StepPhase
-from frontal_biped.zero_dynamics.energy import PhaseEnergy, phase_energy
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit, phase_orbit
 from frontal_biped.zero_dynamics.poincare import step_orbit
 from frontal_biped.zero_dynamics.restricted import restrict
@@ -57,13 +56,10 @@ from frontal_biped.zero_dynamics.two_steps import TwoSteps
 
 Phases = tuple[Phase, Phase]
 
-POLISHING = 6
-"""Newton steps that take beta_B from the interpolated energy to the rounding of the quadrature."""
-
 CONVERGED = 1e-12
 """[rad] change of the pair at which Newton's method stops, and of beta_B."""
 
-NEWTON_STEPS = 20
+NEWTON_STEPS, HALVINGS = 40, 12
 
 
 class _HalfPair(NamedTuple):
@@ -108,13 +104,11 @@ class FixedPair:
         biped: the robot.
         a: phases of step A.
         b: phases of step B.
-        top_of_b: where the search for beta_B ends [rad].
     """
 
     biped: FrontalBiped
     a: Phases
     b: Phases
-    top_of_b: float
 
     @cached_property
     def jumps(self) -> tuple[float, float]:
@@ -141,32 +135,43 @@ class FixedPair:
             )
             return _HalfPair(*orbits)
 
-    @cached_property
-    def _rising_b(self) -> PhaseEnergy:
-        rising = self.b[0]
-        middle = 0.5 * (rising.beta_start + rising.beta_end)
-        return phase_energy(
-            self.biped, rising, rising.beta_start, self.top_of_b, (middle, rising.beta_end), to_barrier=True
-        )
-
     def second(self, beta: float, nodes: int) -> float:
         """beta_B where the energy that step A, reversing at beta, leaves is spent [rad].
 
+        By Newton's method from the planned reversal, its steps halved where they leave the region in which R_B grows.
+
         Raises:
-            ReversalError: there is none below the energy barrier, or step A does not get there.
+            ReversalError: there is none in that region, or step A does not get to its impact.
         """
         gained = self.jumps[0] * float(self.step(self.a, beta, nodes).down.z[-1])
         if not gained > 0.0:
             raise ReversalError("step A brings no energy to the impact")
-        second = self._rising_b.reversal(float(np.sqrt(2.0 * gained)) / self._rising_b.start_inertia)
-        for _ in range(POLISHING):
-            up = phase_orbit(self.biped, self.b[0], StepPhase.RISING, nodes, second)
-            slope = -float(np.exp(up.log_delta_squared[-1]) * up.restricted.drive[0])
-            change = (gained - float(up.z[-1])) / slope
+        rising = self.b[0]
+        second, (spent, slope) = rising.beta_end, self._spent(rising.beta_end, nodes)
+        for _ in range(NEWTON_STEPS):
+            change = float(np.clip((gained - spent) / slope, -abs(rising.range), abs(rising.range)))
+            for _ in range(HALVINGS):
+                spent, slope = self._spent(second + change, nodes)
+                if slope > 0.0:
+                    break
+                change *= 0.5
+            else:
+                raise ReversalError("step B does not reverse: R_B does not grow so far")
             second += change
-            if not abs(change) > CONVERGED:
-                break
-        return second
+            if abs(change) <= CONVERGED:
+                return second
+        raise ReversalError("step B does not reverse where it was looked for")
+
+    def _spent(self, beta: float, nodes: int) -> tuple[float, float]:
+        """R_B and its slope at a reversal of step B [rad]; a slope of nan where it is not defined or does not grow."""
+        nothing = float("nan"), float("nan")
+        if beta <= self.b[0].beta_start:
+            return nothing
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            up = phase_orbit(self.biped, self.b[0], StepPhase.RISING, nodes, beta)
+            slope = -float(np.exp(up.log_delta_squared[-1]) * up.restricted.drive[0])
+        defined = bool(np.all(up.restricted.I_P > 0.0)) and slope > 0.0 and np.isfinite(up.z[-1])
+        return (float(up.z[-1]), slope) if defined else nothing
 
     def balance(self, beta: float, nodes: int) -> EnergyBalance:
         """E_2 at beta_A [rad]; multiplier and drive ratio are the products over both steps, the inertia is the least.
@@ -259,12 +264,8 @@ class TwoStepReversal:
 
     @cached_property
     def fixed(self) -> FixedPair:
-        """Both steps at the planned parameters.
-
-        Raises:
-            ReversalError: a bracket does not exist.
-        """
-        return FixedPair(self.biped, *self.phases(self.planned_pair), self.brackets[1][1])
+        """Both steps at the planned parameters."""
+        return FixedPair(self.biped, *self.phases(self.planned_pair))
 
     def balance(self, beta: float) -> EnergyBalance:
         """E_2 at fixed parameters, at a reversal of step A [rad]."""
