@@ -232,6 +232,8 @@ def _head(run: "SpatialRun", asked: int, remedy: str | None) -> list[str]:
     way = round(float(run.com[-1, 0] - run.com[0, 0]), 2) + 0.0  # no minus zero
     steps = counted(run.steps_completed, "step")
     reached = f"{run.robot}: {fate} {steps} of {asked}, {way:.2f} m in {float(run.t[-1]):.2f} s"
+    if "path" in run.settings:
+        reached = f"{run.robot}: {fate} {steps} along the path in {float(run.t[-1]):.2f} s, {_end(run)}"
     shares = [(what, measured[key]) for key, what in _MOTORS if measured.get(key)]
     told = [f"{what} of {share['joint']} {100.0 * share['largest']:.0f} % of its limit" for what, share in shares]
     if not told:
@@ -241,20 +243,22 @@ def _head(run: "SpatialRun", asked: int, remedy: str | None) -> list[str]:
     return [f"{reached}{advice}", f"tightest  {told[tightest]}", f"motors    {'; '.join(told)}"]
 
 
+def _end(run: "SpatialRun") -> str:
+    """Where a path ended."""
+    from frontal_biped.simulation.space.walk_path import missed
+
+    told = [
+        f"{1e3 * miss.distance:.0f} mm and {degrees(abs(miss.angle)):.2f} degrees"
+        for miss in (missed(run), missed(run, "odometry"))
+    ]
+    return f"{told[0]} from its end, by odometry {told[1]}"
+
+
 _MOTORS = (("torque_share", "torque"), ("speed_share", "speed"))
 
 
 def _text(table: dict[str, Any]) -> str:
-    lines = (
-        []
-        if "path" not in table
-        else [
-            f"end of the path           {1e3 * table['missed']:.0f} mm and {degrees(table['missed_angle']):.2f} degrees"
-            f" from where it was to be; by odometry {1e3 * table['missed_by_odometry']:.0f} mm and"
-            f" {degrees(table['missed_angle_by_odometry']):.2f} degrees",
-        ]
-    )
-    lines += [
+    lines = [
         f"speed of the second half  {table['speed_of_second_half']:.3f} m/s, commanded {table['commanded_speed']:g}",
         f"sideways, yaw             {1e3 * table['sideways']:.1f} mm, {table['yaw_drift']:.2e} rad",
     ]

@@ -25,6 +25,7 @@ from frontal_biped.gait.gait import Gait
 from frontal_biped.model.robot import FootSole
 from frontal_biped.model.space.free_robot import FreeRobot
 from frontal_biped.model.stance_map import Stance
+from frontal_biped.simulation.space.asked_path import asked_corners
 from frontal_biped.simulation.space.resampling import drawable_part
 from frontal_biped.simulation.space.run import SpatialRun
 from frontal_biped.simulation.space.shares import joint_shares
@@ -61,7 +62,7 @@ FEW_POINTS = 6000
 
 @styled
 def footsteps_figure(robot: FreeRobot, run: SpatialRun) -> "Figure":
-    """The soles on the ground and the way of the centre of mass, from above.
+    """The soles on the ground and the way of the centre of mass, from above; and the path, if there was one.
 
     Args:
         robot: the robot.
@@ -70,7 +71,7 @@ def footsteps_figure(robot: FreeRobot, run: SpatialRun) -> "Figure":
     Returns:
         Y over x [m], at equal scales; of a long walk its first and its last steps in two panels.
     """
-    steps = footsteps(run)
+    steps, corners = footsteps(run), asked_corners(run)
     parts = [steps] if len(steps) <= 2 * LONG_WAY + 1 else [steps[: LONG_WAY + 1], steps[-LONG_WAY - 1 :]]
     views = [_view(robot, part) for part in parts]
     width = 0.8 * COLUMN
@@ -82,6 +83,8 @@ def footsteps_figure(robot: FreeRobot, run: SpatialRun) -> "Figure":
             _draw_sole(ax, robot, step)
         inside = (run.com[:, 0] >= low[0]) & (run.com[:, 0] <= high[0]) & _during(run, part)
         ax.plot(run.com[inside, 0], run.com[inside, 1], color=BLACK, linewidth=1.0, label="CoM")
+        if len(corners):
+            ax.plot(*corners.T, color=PURPLE, linewidth=1.5, linestyle=":", label="asked for")
         ax.set_aspect("equal")
         ax.set_xlim(low[0], high[0])
         ax.set_ylim(low[1], high[1])
@@ -92,7 +95,7 @@ def footsteps_figure(robot: FreeRobot, run: SpatialRun) -> "Figure":
     for foot, (colour, style) in FOOT_LOOKS.items():
         axes[0].plot([], [], color=colour, linestyle=style, linewidth=2.0, label=f"{foot.value} foot")
     axes[-1].set_xlabel("x, forward [m]")
-    legend_above(axes[0], 3, lift=0.16 if len(parts) > 1 else 0.0)
+    legend_above(axes[0], 4 if len(corners) else 3, lift=0.16 if len(parts) > 1 else 0.0)
     return figure
 
 

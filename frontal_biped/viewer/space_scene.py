@@ -1,5 +1,6 @@
 """The scene of a walk in space: ground as long as the way, the robot, wrenches, centre of mass, footsteps, foothold."""
 
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ from frontal_biped.model.robot import FootSole
 from frontal_biped.model.space.free_robot import FreeRobot
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.urdf.shapes import IntArray
+from frontal_biped.simulation.space.asked_path import asked_corners
 from frontal_biped.simulation.space.run import SpatialRun
 from frontal_biped.simulation.space.soles import Footstep, footprint, footsteps
 from frontal_biped.simulation.world import FEET
@@ -29,6 +31,9 @@ PITCH, METRE = 0.5, 1.0
 
 TRIANGLES = 10
 """Of one footstep: two inside, eight along its edge."""
+
+PATH_WIDTH = 0.02
+"""Of the line of a path [m]."""
 
 PUSH_LENGTH = 0.35
 """Length of a push's arrow, over the robot's height."""
@@ -54,6 +59,7 @@ def draw_space_scene(visualizer: Any, robot: FreeRobot, run: SpatialRun, pushes:
     draw_com(place[COM], size)
     _draw_shadow(place[COM]["plumb"]["below"], size)
     _draw_footsteps(place[FOOTSTEPS], robot, footsteps(run))
+    _draw_path(place[FOOTSTEPS]["path"], asked_corners(run))
     for foot, sole in zip(FEET, robot.soles, strict=True):
         _draw_foothold(place[FOOTHOLD][foot.value], sole)
     for k in range(pushes):
@@ -153,6 +159,23 @@ def _draw_footsteps(node: Any, robot: FreeRobot, steps: list[Footstep]) -> None:
             vertices, faces = quadrilaterals(corners, z)
             material = mg.MeshBasicMaterial(color=colour, opacity=opacity, transparent=True)
             node[foot.value][name].set_object(mg.TriangularMeshGeometry(vertices, faces), material)
+
+
+def _draw_path(node: Any, corners: FloatArray) -> None:
+    """The way that was asked for, as a line on the ground with a square at each corner."""
+    import meshcat.geometry as mg
+
+    if not len(corners):
+        return
+    strips = []
+    for a, b in pairwise(corners):
+        along = (b - a) / np.linalg.norm(b - a)
+        aside = 0.5 * PATH_WIDTH * np.array([-along[1], along[0]])
+        strips.append([a + aside, a - aside, b - aside, b + aside])
+    half = PATH_WIDTH * np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+    vertices, faces = quadrilaterals(np.array([*strips, *(corner + half for corner in corners)]), 1.5e-3)
+    material = mg.MeshBasicMaterial(color=COLOURS["trace"], opacity=0.7, transparent=True)
+    node.set_object(mg.TriangularMeshGeometry(vertices, faces), material)
 
 
 def _draw_foothold(node: Any, sole: FootSole) -> None:

@@ -8,6 +8,7 @@ import pytest
 from frontal_biped.cli import main
 from frontal_biped.simulation.disturbances import Disturbances
 from frontal_biped.simulation.mujoco.spec import ContactSettings
+from frontal_biped.simulation.space import walk_path as path_module
 from frontal_biped.simulation.space import walk_spatial as module
 from frontal_biped.simulation.space.run import load_spatial_run
 
@@ -105,6 +106,27 @@ def test_figures(stub, tmp_path, capsys):
     assert main(["walk", "romeo", "--figures", str(tmp_path / "figures")]) == 0
     assert list((tmp_path / "figures").glob("*.svg"))
     assert "written: " in capsys.readouterr().out
+
+
+def test_a_path_is_walked_and_its_end_told(stub, monkeypatch, capsys):
+    """The walk is another one; what it is asked and what is said of it are the path's."""
+    told = {"words": "forward 1", "asked": [1.0, 0.0, 0.0], "odometry": [1.0, 0.004, 0.0], "ended": [0.97, 0.04, 0.1],
+            "corners": [[1.0, 0.0, 0.0]], "arrived": True}  # fmt: skip
+
+    def walk(biped, gait, words, **options):
+        stub.update(options, words=words)
+        return replace(stub["walked"], settings={**stub["walked"].settings, "path": told})
+
+    monkeypatch.setattr(path_module, "walk_path", walk)
+    assert main(["walk", "romeo", "--path", "forward 1", "--delay", "0.002", "--push=1,2,0.5", "--json"]) == 0
+    assert (stub["words"], stub["disturbances"].delay, len(stub["pushes"])) == ("forward 1", 0.002, 1)
+    found = json.loads(capsys.readouterr().out)
+    assert found["path"]["arrived"]
+    assert found["missed"] == pytest.approx(0.05)
+    assert found["missed_by_odometry"] == pytest.approx(0.004)
+    assert main(["walk", "romeo", "--path", "forward 1"]) == 0
+    told = capsys.readouterr().out.splitlines()[0]
+    assert told.endswith("50 mm and 5.73 degrees from its end, by odometry 4 mm and 0.00 degrees")
 
 
 @pytest.mark.parametrize(("arguments", "words"), [

@@ -97,3 +97,13 @@ def test_a_fall_without_a_gait_is_drawn_and_written(talos, tmp_path):
     assert {path.stem for path in written} == set(SPACE_FIGURES)
     for path in written:
         assert path.read_bytes().startswith(b"<svg" if path.suffix == ".svg" else b"\x89PNG")
+
+
+def test_the_asked_path_is_drawn_where_there_is_one(talos):
+    robot, run, *_ = talos
+    path = {"path": {"corners": [[0.5, 0.0, 0.0], [0.5, 0.2, 0.0]]}}
+    figure = footsteps_figure(robot, replace(run, settings={**run.settings, **path}))
+    (asked,) = [line for line in figure.get_axes()[0].get_lines() if line.get_label() == "asked for"]
+    np.testing.assert_array_equal(asked.get_xydata(), [[0.0, 0.0], [0.5, 0.0], [0.5, 0.2]])
+    plain = footsteps_figure(robot, run)
+    assert "asked for" not in {line.get_label() for line in plain.get_axes()[0].get_lines()}

@@ -161,3 +161,17 @@ def test_page_asks_no_network_and_survives_gaps(free, spot, orbit):
     assert "a &lt;walk&gt;" in page and "<title>a <" not in page
     own = page.replace(page[page.index("<!-- The viewer") : page.index("const commands")], "")
     assert not re.findall(r"https?://", own)
+
+
+def test_the_asked_path_is_a_line_on_the_ground(free, spot):
+    """One strip a way, one square a corner; none where there is none."""
+    path = f"/meshcat/first/{FOOTSTEPS}/path"
+    corners = {"path": {"corners": [[0.5, 0.0, 0.0], [0.5, 0.2, 0.0]]}}
+    for settings, strips in ((corners, 2 + 3), ({}, 0)):
+        recorder, visualizer = recording()
+        draw_space_scene(visualizer, free, replace(spot, settings={**spot.settings, **settings}))
+        drawn = [c for c in recorder.commands if c["path"] == path and c["type"] == "set_object"]
+        assert len(drawn) == bool(strips)
+        if strips:
+            (geometry,) = drawn[0]["object"]["geometries"]
+            assert len(geometry["data"]["index"]["array"].data) == 4 * 3 * 2 * strips  # four bytes a number
