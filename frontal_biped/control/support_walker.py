@@ -8,8 +8,10 @@ and `SupportProgram` finds torques that share the load. dbeta is the rate along 
 momentum, q' D dq / (q' D q'): what two feet that give a little do to single joints does not enter.
 
 *Single support.* The virtual constraints and the FRI through the quadratic program (`QpController`), falling along the
-curve of the rising phase. Where the robot is back at the pose of the landing and no foot has touched, the swing foot is
-lowered until it does.
+curve of the rising phase. Feet never land exactly where they should, and torques that see an error at the lift-off
+would press the foot that is to rise into the ground: the error of the outputs is taken over as it is and led to zero by
+a polynomial of degree 5 in time, so that the first accelerations are the planned ones. Where the robot is back at the
+pose of the landing and no foot has touched, the swing foot is lowered until it does.
 """
 
 from dataclasses import dataclass
@@ -29,6 +31,7 @@ from frontal_biped.gait.support_gait import SupportGait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
+from frontal_biped.numerics.quintic import Kinematics, Quintic
 from frontal_biped.virtual_constraints.anchoring import continued
 from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
 from frontal_biped.virtual_constraints.double_support import DoubleSupportFamily
@@ -36,7 +39,7 @@ from frontal_biped.virtual_constraints.phase import StepPhase
 from frontal_biped.virtual_constraints.piecewise import ContinuedPhase
 from frontal_biped.zero_dynamics.double_support import SupportPoint
 from frontal_biped.zero_dynamics.half_steps import ConstrainedState
-from frontal_biped.zero_dynamics.support_plan import SupportPlan, rest_to_rest
+from frontal_biped.zero_dynamics.support_plan import HandOver, SingleSupportEnd, SupportPlan, rest_to_rest
 
 FREQUENCY = 20.0
 """omega of the motion along the family [rad/s]."""
@@ -49,6 +52,9 @@ LOWERING = 0.03
 
 AIRBORNE = 0.02
 """Time after the lift-off before a touch may be a landing [s]."""
+
+FADING = 0.1
+"""Time in which the error of the outputs at the lift-off is led to zero [s]."""
 
 SETTLED = 0.02
 """dbeta below which a robot that has come to rest stands [rad/s]."""
@@ -146,7 +152,6 @@ class SupportWalker:
         self.biped, self.gait, self.period, self.dead_beat = biped, gait, period, dead_beat
         self.family: DoubleSupportFamily = gait.family(biped)
         self.half_way = self.family.half_way()
-        self._over = gait.hand_over(biped)
         self._support = SupportProgram(gait.limits(biped), gait.p_fri)
         if settings is None:
             limits = ControllerSettings.for_gait(gait)
@@ -165,14 +170,20 @@ class SupportWalker:
     def reset(self, stance: Stance) -> None:
         """Stand half-way, the first step to be taken on ``stance``."""
         self.stance, self.mode, self.landings = stance, SupportMode.STANDING, 0
+        self.family = self.gait.family(self.biped)
+        self._over = self._hand_over(self.gait.speed)
         self._plan: SupportPlan = rest_to_rest(self.family, self.half_way, self.half_way, 1.0)
-        self._since = 0.0
-        self._low = 0.0
+        self._since = self._low = 0.0
+        self._fading: list[Quintic] = []
 
     def begin_single_support(self, stance: Stance) -> None:
         """Take the robot over right at a lift-off, standing on ``stance``."""
         self.reset(stance)
         self._enter(SupportMode.SINGLE)
+
+    def _hand_over(self, speed: float) -> HandOver:
+        """The double support between feet that stand as they do, and where it is to lift off."""
+        return HandOver.mirrored(self.family, SingleSupportEnd(self.gait.rising.beta_start, self.gait.p_fri), speed)
 
     def tick(self, reading: Reading) -> SupportCommand:
         """Torques for a reading, one period after the last.
@@ -193,9 +204,11 @@ class SupportWalker:
         elif self._since >= self._plan.duration - 0.5 * self.period:
             if self.mode in (SupportMode.SETTING_OFF, SupportMode.HAND_OVER):
                 self._enter(SupportMode.SINGLE)
+                self._fade(state)
             elif self.mode is SupportMode.STOPPING and abs(self._speed(state)) < SETTLED:
                 self._stand(self._plan.at(self._plan.duration).x)
         if self.mode is SupportMode.STANDING and self.walking:
+            self._over = self._hand_over(self.gait.speed)
             self._plan = self._over.setting_off(state.beta, self.gait.setting_off)
             self._enter(SupportMode.SETTING_OFF)
         single = self.mode is SupportMode.SINGLE
@@ -220,19 +233,25 @@ class SupportWalker:
     def _enter(self, mode: SupportMode) -> None:
         self.mode, self._since, self._low = mode, 0.0, 0.0
 
+    def _fade(self, state: State) -> None:
+        h_d, h_d1, *_ = self.curve.desired(state.beta)
+        y, dy = state.q[1:] - h_d, state.dq[1:] - h_d1 * state.dbeta
+        nothing = Kinematics(0.0, 0.0, 0.0)
+        starts = (Kinematics(*pair, 0.0) for pair in zip(y.tolist(), dy.tolist(), strict=True))
+        self._fading = [Quintic.between(start, nothing, FADING) for start in starts]
+
     def _stand(self, beta: float) -> None:
         self._plan = rest_to_rest(self.family, beta, beta, 1.0)
         self._enter(SupportMode.STANDING)
 
     def _take_weight(self, state: State) -> None:
         """Right after a landing: hand over, or come to rest."""
+        self.family = DoubleSupportFamily(self.biped, float(self.biped.joint_positions(state.q)[-1, 0]))
         speed = self._speed(state)
+        self._over = self._hand_over(self.gait.speed if self.dead_beat else speed)
         if self.walking:
-            over = self._over
-            if not self.dead_beat:
-                over = type(over)(over.family, over.landing, over.lift_off, speed)
             try:
-                self._plan = over.plan(speed, state.beta)
+                self._plan = self._over.plan(speed, state.beta)
                 self._enter(SupportMode.HAND_OVER)
                 return
             except ReversalError:
@@ -272,15 +291,19 @@ class SupportWalker:
             down, fall = self._downwards(at.q), LOWERING * self._low
             h_d, h_d1, h_d2 = at.q[1:] + fall * down, at.dq[1:], at.ddq[1:]
             p_fri = self.gait.p_fri
-            rate = LOWERING * down
+            rate, drift = LOWERING * down, np.zeros(len(h_d))
         else:
             h_d, h_d1, h_d2, p_fri = self.curve.desired(state.beta)
-            rate = np.zeros(len(h_d))
+            rate = drift = np.zeros(len(h_d))
+            if self._since < FADING and self._fading:
+                fading = [path.at(self._since) for path in self._fading]
+                h_d = h_d + np.array([at.x for at in fading])
+                rate, drift = np.array([at.dx for at in fading]), np.array([at.ddx for at in fading])
         settings = self._single.settings
         kp, kd = settings.frequency**2, 2.0 * settings.damping * settings.frequency
         y = state.q[1:] - h_d
         dy = state.dq[1:] - h_d1 * state.dbeta - rate
-        targets = Targets(h_d1, h_d2 * state.dbeta**2, -kd * dy - kp * y, p_fri)
+        targets = Targets(h_d1, h_d2 * state.dbeta**2, drift - kd * dy - kp * y, p_fri)
         u = self._single.follow(phase, state, targets, y, dy).u
         return self._command(u, state, state.dbeta, h_d, p_fri, rising)
 

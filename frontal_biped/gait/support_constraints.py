@@ -2,7 +2,8 @@
 
 Single support, from the lift-off to the reversal (falling is the same backwards): C02, C03, C05, C06 and the limits of
 the joints. The swing foot leaves the ground at rest, so its height grows with the square of the way, and C05 bounds the
-height over (1 - t2)^2. Double support, and the way from standing into the gait: the pressure point stays inside both
+height over (1 - t2)^2. At the lift-off the torques of single support must take the foot off the ground, upwards rather
+than sideways: were it held, the ground would have to pull. Double support, and the way from standing into the gait: the pressure point stays inside both
 feet; that soles and motors can share the load behind it, the certificate asks of `SupportPoint`.
 """
 
@@ -31,15 +32,22 @@ from frontal_biped.gait.support_gait import SupportGait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import JOINTS
 from frontal_biped.numerics.quintic import Kinematics, Quintic
+from frontal_biped.virtual_constraints.double_support import DoubleSupportFamily
 from frontal_biped.zero_dynamics.double_support import SupportPoint
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit
-from frontal_biped.zero_dynamics.restricted import TORQUES
+from frontal_biped.zero_dynamics.restricted import F_H, F_V, TORQUES
 from frontal_biped.zero_dynamics.support_plan import NODES, WEIGHTS, SupportPlan
 
 TO_SPARE = 0.6
 """Least arm of the weight about the FRI at the reversal, over that at lift-off: with 1/T the rate of an inverted
 pendulum the reversal of a speed v is at x_r^2 = x_0^2 - (v T)^2, and speeds up to 1 / sqrt(1 - 0.6^2) = 1.25 of the
 orbit's still reverse."""
+
+SIDEWAYS = 1.0
+"""Sideways acceleration of a foot that leaves the ground, over its upward one, at most."""
+
+LIFT = 0.005
+"""Share of the weight with which the ground would at least have to pull at the foot to keep it."""
 
 INSTANTS = 15
 """At which the pressure point is looked at on the way from standing."""
@@ -92,6 +100,7 @@ def evaluate_support_step(biped: FrontalBiped, gait: SupportGait, size: int) -> 
     duration = 2.0 * orbit.duration + plan.duration
     constraints = [
         *_single_support(biped, gait, orbit),
+        *_lift_off(biped, gait, over.family, orbit),
         *_double_support(gait, plan, duration),
         _from_rest(gait, over.lift_off.kinematics(over.family, speed), plan),
     ]
@@ -131,6 +140,20 @@ def _single_support(biped: FrontalBiped, gait: SupportGait, orbit: PhaseOrbit) -
             rate = orbit.motion.dq[:, i] * orbit.dbeta
             found.append(Constraint("joint limits", f"{JOINTS[i]} speed", "rad/s", rate, -fastest, fastest, VELOCITY))
     return found
+
+
+def _lift_off(
+    biped: FrontalBiped, gait: SupportGait, family: DoubleSupportFamily, orbit: PhaseOrbit
+) -> list[Constraint]:
+    point, motion = SupportPoint.of(family, gait.rising.beta_start), orbit.motion
+    bend = point.J @ (motion.ddq[-1] - point.at.ddq) * orbit.Delta**2
+    away = np.array([bend[F_V] * SIDEWAYS - bend[F_H], bend[F_V] * SIDEWAYS + bend[F_H]])
+    held = point.under(orbit.generalized_forces[TORQUES, -1], float(orbit.dbeta[-1]) ** 2)[1]
+    pull = np.array([-held.swing[F_V] / biped.weight])
+    return [
+        Constraint("C08", "upward less sideways, foot lifted", "m", away, 0.0, None, HEIGHT),
+        Constraint("C08", "pull of the ground at a foot not lifted / m g", "-", pull, LIFT, None, LIFT),
+    ]
 
 
 def _double_support(gait: SupportGait, plan: SupportPlan, duration: float) -> list[Constraint]:

@@ -8,7 +8,8 @@ is the motion along the double-support family that has the same momentum,
 .. math:: \dot\beta^+ = q' \cdot D \dot q^- / (q' \cdot D q'),
 
 and the impulses follow from the momentum that is lost. Feet that arrive at rest lose none. The one that stood before
-may not be torn off the ground: its impulse must be one that its load makes up for within `AT_ONCE`.
+may not be torn off the ground: its impulse must be one that its load makes up for within `AT_ONCE`. Both feet then stay
+until the torques change, for those that are still held were meant for a foot in the air.
 
 *On both feet* beta is the one freedom; torques decide its acceleration and the wrenches of both feet
 (`SupportPoint.under`). A foot that the ground would have to pull leaves it. One whose centre of pressure leaves the
@@ -143,9 +144,10 @@ class SupportEngine:
     def advance(self, t: float, end: float, tau: FloatArray) -> EventKind | str | None:
         """Under held joint torques (4,) [N m] from t to ``end`` [s]; how the robot fell, if it did."""
         self._u = self.biped.stance_map.torques_to_stance(tau, self.stance)
+        stays = False
         while end - t > 1e-12:
             h = min(end - t, MAX_STEP)
-            if self.double:
+            if self.double and not stays:
                 fell = self._release(t)
                 if fell is not None:
                     return fell
@@ -154,6 +156,7 @@ class SupportEngine:
                 t += h
                 continue
             used, fell = self._on_one_foot(t, h)
+            stays = self.double
             t += used
             if fell is not None:
                 return fell
