@@ -5,7 +5,9 @@ r"""A walker that stands, sets off, walks with finite double supports, stops and
 .. math:: \ddot\beta = \ddot\beta_d + 2 \omega (\dot\beta_d - \dot\beta) + \omega^2 (\beta_d - \beta),
 
 and `SupportProgram` finds torques that share the load. dbeta is the rate along the family that has the robot's
-momentum, q' D dq / (q' D q'): what two feet that give a little do to single joints does not enter.
+momentum, q' D dq / (q' D q'), with one foot taken to be at rest. Either may be: the foot that has just landed settles
+for some milliseconds, and so does the one that is about to leave. beta and dbeta are those seen from either, weighed as
+the load is meant to pass from one to the other.
 
 *Single support.* The virtual constraints and the FRI through the quadratic program (`QpController`), falling along the
 curve of the rising phase. Feet never land exactly where they should, and torques that see an error at the lift-off
@@ -192,27 +194,26 @@ class SupportWalker:
             ControllerError: the reading tells no rates.
         """
         before, landed = self.mode, False
-        state = self._state(reading)
+        state = self._state(reading, self.stance)
         if self.mode is SupportMode.SINGLE:
             touches = reading.contact[1 if self.stance is Stance.LEFT else 0]
             if touches and state.dbeta < 0.0 and self._since > AIRBORNE:
                 self.landings += 1
                 landed = True
-                self.stance = self.stance.other
-                state = self._state(reading)
                 self._take_weight(state)
+                state = self._state(reading, self.stance)
         elif self._since >= self._plan.duration - 0.5 * self.period:
             if self.mode in (SupportMode.SETTING_OFF, SupportMode.HAND_OVER):
                 self._enter(SupportMode.SINGLE)
                 self._fade(state)
-            elif self.mode is SupportMode.STOPPING and abs(self._speed(state)) < SETTLED:
+            elif self.mode is SupportMode.STOPPING and abs(self._along_family(reading)[1]) < SETTLED:
                 self._stand(self._plan.at(self._plan.duration).x)
         if self.mode is SupportMode.STANDING and self.walking:
             self._over = self._hand_over(self.gait.speed)
-            self._plan = self._over.setting_off(state.beta, self.gait.setting_off)
+            self._plan = self._over.setting_off(self._along_family(reading)[0], self.gait.setting_off)
             self._enter(SupportMode.SETTING_OFF)
         single = self.mode is SupportMode.SINGLE
-        command = self._in_single_support(state) if single else self._in_double_support(state)
+        command = self._in_single_support(state) if single else self._in_double_support(state, reading)
         self._since += self.period
         if landed or self.mode is not before:
             return _with_beginning(command, self.mode)
@@ -245,22 +246,23 @@ class SupportWalker:
         self._enter(SupportMode.STANDING)
 
     def _take_weight(self, state: State) -> None:
-        """Right after a landing: hand over, or come to rest."""
+        """Hand over, or come to rest, after a landing in a state seen from the foot that stood until then."""
+        self.stance = self.stance.other
         self.family = DoubleSupportFamily(self.biped, float(self.biped.joint_positions(state.q)[-1, 0]))
-        speed = self._speed(state)
+        beta, speed = self._from_other(state)
         self._over = self._hand_over(self.gait.speed if self.dead_beat else speed)
         if self.walking:
             try:
-                self._plan = self._over.plan(speed, state.beta)
+                self._plan = self._over.plan(speed, beta)
                 self._enter(SupportMode.HAND_OVER)
                 return
             except ReversalError:
                 pass  # too slow to get over: come to rest instead
-        self._plan = self._over.coming_to_rest(self.half_way, self.gait.setting_off, speed, state.beta)
+        self._plan = self._over.coming_to_rest(self.half_way, self.gait.setting_off, speed, beta)
         self._enter(SupportMode.STOPPING)
 
-    def _state(self, reading: Reading) -> State:
-        q, dq = measured_state(self.biped.stance_map, reading, self.stance)
+    def _state(self, reading: Reading, stance: Stance) -> State:
+        q, dq = measured_state(self.biped.stance_map, reading, stance)
         if dq is None:
             raise ControllerError("SupportWalker needs joint velocities; give readings that have them")
         return State(q, dq)
@@ -271,12 +273,32 @@ class SupportWalker:
         momentum = self.biped.D(state.q) @ slope
         return float(momentum @ state.dq / (momentum @ slope))
 
+    def _from_other(self, state: State) -> tuple[float, float]:
+        """beta [rad] and dbeta [rad/s] along the family, of a state seen from the other foot."""
+        at = self.family.at(state.beta)
+        return float(at.q[3]), float(at.dq[3]) * self._speed(state)
+
+    def _along_family(self, reading: Reading) -> tuple[float, float]:
+        """beta [rad] and dbeta [rad/s] along the family, seen from both feet."""
+        state = self._state(reading, self.stance)
+        own = np.array([state.beta, self._speed(state)])
+        other = np.array(self._from_other(self._state(reading, self.stance.other)))
+        passed = min(self._since / self._plan.duration, 1.0)
+        share = {
+            SupportMode.HAND_OVER: passed,
+            SupportMode.SETTING_OFF: max(0.5, passed),
+            SupportMode.STOPPING: min(0.5, passed),
+        }.get(self.mode, 0.5)
+        beta, speed = share * own + (1.0 - share) * other
+        return float(beta), float(speed)
+
     # ------------------------------------------------------------------ torques
-    def _in_double_support(self, state: State) -> SupportCommand:
-        point, speed = SupportPoint.of(self.family, state.beta), self._speed(state)
+    def _in_double_support(self, state: State, reading: Reading) -> SupportCommand:
+        beta, speed = self._along_family(reading)
+        point = SupportPoint.of(self.family, beta)
         wanted = self._plan.at(self._since)
         omega = FREQUENCY
-        acceleration = wanted.ddx + 2.0 * omega * (wanted.dx - speed) + omega**2 * (wanted.x - state.beta)
+        acceleration = wanted.ddx + 2.0 * omega * (wanted.dx - speed) + omega**2 * (wanted.x - beta)
         answer = self._support.solve(point, speed, acceleration)
         p = point.pressure_point(answer.acceleration, speed**2)
         return self._command(answer.u, state, speed, point.at.q[1:], p, speed > 0.0)
