@@ -26,6 +26,7 @@ from frontal_biped.control.controller import QpController
 from frontal_biped.control.double_support import SupportProgram
 from frontal_biped.control.interface import Reading
 from frontal_biped.control.settings import ControllerSettings, sampled_frequency
+from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
 from frontal_biped.control.torques.linearisation import Targets
 from frontal_biped.control.walker.measured_state import measured_state
 from frontal_biped.exceptions import ControllerError, ReversalError
@@ -34,7 +35,6 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
 from frontal_biped.numerics.quintic import Kinematics, Quintic
-from frontal_biped.virtual_constraints.anchoring import continued
 from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
 from frontal_biped.virtual_constraints.double_support import DoubleSupportFamily
 from frontal_biped.virtual_constraints.phase import StepPhase
@@ -45,9 +45,6 @@ from frontal_biped.zero_dynamics.support_plan import HandOver, SingleSupportEnd,
 
 FREQUENCY = 20.0
 """omega of the motion along the family [rad/s]."""
-
-TAPERS = 1.0, 0.35
-"""Lengths over which slopes and curvatures die out past the reversal, over the range of beta."""
 
 LOWERING = 0.03
 """Speed at which a foot is lowered that has not found the ground [m/s]."""
@@ -163,8 +160,7 @@ class SupportWalker:
                 min_normal_force=limits.min_normal_force,
                 max_torque=limits.max_torque,
             )
-        taper, curvature_taper = (share * gait.rising.range for share in TAPERS)
-        self.curve = continued(gait.rising, taper, curvature_taper)
+        self.curve = ReanchoringTransitions(biped, gait).planned_rising
         self._single = QpController(biped, gait, settings, Retraced(self.curve))
         self.walking = False
         self.reset(Stance.LEFT)

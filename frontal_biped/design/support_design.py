@@ -24,8 +24,8 @@ from frontal_biped.model.catalogue import RobotLike, biped_of
 from frontal_biped.virtual_constraints.double_support import DoubleSupportFamily
 from frontal_biped.virtual_constraints.phase import Phase
 
-NODES = 14
-"""Quadrature nodes of the rising half in the optimiser."""
+NODES = 14, 28
+"""Quadrature nodes of the rising half in the optimiser; the finer ones where the coarse ones miss a violation."""
 
 DENSE = 40
 """Nodes on which the answer is checked."""
@@ -71,7 +71,7 @@ class _Problem:
     """The design as `trust_region_sqp.minimise` asks for it."""
 
     def __init__(self, biped: FrontalBiped, asked: SupportSpecification, width: float) -> None:
-        self.biped, self.asked = biped, asked
+        self.biped, self.asked, self.nodes = biped, asked, NODES[0]
         self.family = DoubleSupportFamily(biped, width)
         self._robot = RobotReference(biped.name, named_description(biped.path), biped.fingerprint)
         self._degree, self._fri_degree = max(asked.bounds.degrees), asked.bounds.fri_degree
@@ -106,6 +106,10 @@ class _Problem:
         low[self._fri], high[self._fri] = 2.0 * outer - inner, 2.0 * inner - outer
         return low, high
 
+    def forget(self) -> None:
+        """How many margins there are: with other nodes there are others."""
+        self._size = 0
+
     def gait(self, x: FloatArray) -> SupportGait:
         """The gait of the variables; its speed is that of the orbit where there is one."""
         start, end, setting_off = x[:3].tolist()
@@ -120,7 +124,7 @@ class _Problem:
         """Residuals of J and scaled margins; None where there is no step."""
         try:
             with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-                step = evaluate_support_step(self.biped, self.gait(x), NODES)
+                step = evaluate_support_step(self.biped, self.gait(x), self.nodes)
         except (ReversalError, UnreachablePoseError):
             return None
         kept = margins(step.constraints, SAFETY)
@@ -174,16 +178,23 @@ def design_support_gait(
     asked = SupportSpecification(default_specification(biped)) if asked is None else asked
     width = float(np.clip(HIP_WIDTHS * biped.hip_width, *asked.bounds.step_width)) if width is None else width
     problem = _Problem(biped, asked, width)
-    start = problem.start()
-    found = minimise(problem.evaluate, start, *problem.bounds(start), problem.scale(), SqpSettings())
-    if not found.feasible:
-        raise DesignFailedError(
-            f"{biped.name}: no gait with a double support of {asked.double_support[0]:g} to"
-            f" {asked.double_support[1]:g} s, ankles {width:.3g} m apart: violation {found.violation:.2g}"
-            f" ({found.message}); change double_support, width or the bounds"
-        )
-    gait = problem.gait(found.x)
-    step = evaluate_support_step(biped, gait, DENSE)
+    x = problem.start()
+    box = problem.bounds(x)
+    iterations = 0
+    for problem.nodes in NODES:
+        problem.forget()
+        found = minimise(problem.evaluate, x, *box, problem.scale(), SqpSettings())
+        iterations += found.iterations
+        if not found.feasible:
+            raise DesignFailedError(
+                f"{biped.name}: no gait with a double support of {asked.double_support[0]:g} to"
+                f" {asked.double_support[1]:g} s, ankles {width:.3g} m apart: violation {found.violation:.2g}"
+                f" ({found.message}); change double_support, width or the bounds"
+            )
+        x, gait = found.x, problem.gait(found.x)
+        step = evaluate_support_step(biped, gait, DENSE)
+        least = float(margins(step.constraints).min())
+        if least >= 0.0:
+            break
     gait = replace(gait, speed=float(step.orbit.dbeta[-1]))
-    least = float(margins(step.constraints).min())
-    return SupportDesign(gait, step.cost, step.duration, step.hand_over.duration, least, found.iterations)
+    return SupportDesign(gait, step.cost, step.duration, step.hand_over.duration, least, iterations)

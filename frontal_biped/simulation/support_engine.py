@@ -129,16 +129,13 @@ class SupportEngine:
             return self._foot_y[stance]
         return self._foot_y[self.stance] - self.stance.sign * float(self.biped.joint_positions(self.state.q)[-1, 0])
 
-    def reaction(self, stance: Stance) -> Reaction:
-        """What the ground does to a foot, along the h axis of that foot."""
+    def reactions(self) -> dict[Stance, Reaction]:
+        """What the ground does to either foot, along the h axis of that foot."""
+        stance = self.stance
         if not self.double:
-            none = Reaction(0.0, 0.0, float("nan"))
-            return self._motion[stance].reaction(self.state) if stance is self.stance else none
+            return {stance: self._motion[stance].reaction(self.state), stance.other: Reaction(0.0, 0.0, float("nan"))}
         forces = SupportPoint.of(self.family, self.state.beta).under(self._u, self.state.dbeta**2)[1]
-        mine = stance is self.stance
-        F_h, F_v, moment = forces.stance if mine else forces.swing
-        sign = 1.0 if mine else -1.0
-        return Reaction(sign * float(F_h), float(F_v), sign * float(moment / F_v) if F_v > 0.0 else float("nan"))
+        return {stance: _reaction(forces.stance, 1.0), stance.other: _reaction(forces.swing, -1.0)}
 
     # ------------------------------------------------------------------ motion
     def advance(self, t: float, end: float, tau: FloatArray) -> EventKind | str | None:
@@ -250,3 +247,6 @@ class SupportEngine:
         return None
 
 
+def _reaction(wrench: FloatArray, sign: float) -> Reaction:
+    F_h, F_v, moment = wrench.tolist()
+    return Reaction(sign * F_h, F_v, sign * moment / F_v if F_v > 0.0 else float("nan"))

@@ -8,7 +8,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.interface import Reading
-from frontal_biped.control.support_walker import SupportMode, SupportWalker
+from frontal_biped.control.support_walker import SupportCommand, SupportMode, SupportWalker
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.gait.support_gait import SupportGait
 from frontal_biped.model.biped import FrontalBiped
@@ -33,9 +33,6 @@ STAND = 1.0
 LONGEST_STEP = 5.0
 """A step that lasts longer is not walking [s]."""
 
-STEPS_TO_REST = 2
-"""Landings after the command to stop within which the robot must come to rest."""
-
 
 class SupportWorld(Protocol):
     """What moves the robot."""
@@ -56,8 +53,8 @@ class SupportWorld(Protocol):
     def stance_state(self, stance: Stance) -> State:
         """The state for a foot taken as the stance foot."""
 
-    def reaction(self, stance: Stance) -> Reaction:
-        """What the ground does to a foot."""
+    def reactions(self) -> dict[Stance, Reaction]:
+        """What the ground does to either foot."""
 
     def foot_y(self, stance: Stance) -> float:
         """y of a foot's ankle [m]."""
@@ -94,6 +91,10 @@ class MujocoSupport(MujocoRobot):
     def foot_y(self, stance: Stance) -> float:
         """y of a foot's ankle [m]."""
         return self.foot_position(stance)[0]
+
+    def reactions(self) -> dict[Stance, Reaction]:
+        """What the ground does to either foot."""
+        return {side: self.reaction(side) for side in Stance}
 
     def advance(self, t: float, end: float, tau: FloatArray) -> EventKind | str | None:  # noqa: ARG002
         """One control period under joint torques (4,) [N m]; how the robot fell, if it did."""
@@ -151,7 +152,7 @@ class SupportRun:
     @property
     def landings_to_rest(self) -> int:
         """Landings between the command to stop and rest."""
-        return sum(self.asked_to_stop <= step.landing <= self.at_rest for step in self.steps)
+        return sum(self.asked_to_stop < step.landing <= self.at_rest for step in self.steps)
 
 
 def stand_walk_stand(
@@ -250,7 +251,6 @@ class _Walk:
         self._loads: list[tuple[float, float]] = []
         self._steps: list[WalkedStep] = []
         self._asked = self._rest = float("nan")
-        self._landed_at_command = 0
 
     def run(self) -> SupportRun:
         """Until the robot stands again, has taken its steps, or has fallen."""
@@ -282,19 +282,15 @@ class _Walk:
                 return self._finish(outcome)
             tick += 1
 
-    def _move(self, t: float, command: object) -> EventKind | str | None:
-        from frontal_biped.control.support_walker import SupportCommand
-
-        assert isinstance(command, SupportCommand)
+    def _move(self, t: float, command: SupportCommand) -> EventKind | str | None:
         world, stance = self._world, command.stance
         fell = world.advance(t, t + PERIOD, command.joint_torques)
-        reaction = world.reaction(stance)
-        loads = {side: world.reaction(side).F_v for side in Stance}
+        reactions = world.reactions()
         self._recorder.sample(
             t,
             State(command.q, command.dq),
             command.u,
-            reaction,
+            reactions[stance],
             p_fri_target=command.p_target,
             q_b_desired=command.q_b_desired,
             phase=StepPhase.RISING if command.rising else StepPhase.FALLING,
@@ -303,7 +299,7 @@ class _Walk:
             step=max(len(self._steps) - 1, 0),
         )
         self._modes.append(float(list(SupportMode).index(command.mode)))
-        self._loads.append((loads[Stance.LEFT], loads[Stance.RIGHT]))
+        self._loads.append((reactions[Stance.LEFT].F_v, reactions[Stance.RIGHT].F_v))
         return fell
 
     def _begin(self, t: float, mode: SupportMode, speed: float) -> None:
