@@ -81,11 +81,11 @@ class Retraced:
 
     name = "retraced"
 
-    def rising(self, landed: ConstrainedState) -> RisingConstraints:  # noqa: ARG002, a stabiliser is told
+    def rising(self, landed: ConstrainedState) -> RisingConstraints:
         """The curve."""
         return self.curve
 
-    def falling(self, rising: RisingConstraints, reversal: float) -> VirtualConstraints:  # noqa: ARG002
+    def falling(self, rising: RisingConstraints, reversal: float) -> VirtualConstraints:
         """The same curve."""
         return self.curve
 

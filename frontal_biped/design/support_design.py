@@ -27,10 +27,10 @@ from frontal_biped.virtual_constraints.phase import Phase
 NODES = 14, 28
 """Quadrature nodes of the rising half in the optimiser; the finer ones where the coarse ones miss a violation."""
 
-DENSE = 40
+DENSE = 60
 """Nodes on which the answer is checked."""
 
-SAFETY = 5e-3
+SAFETY = 1e-2
 """Scaled distance that every constraint keeps in the optimiser: more than what it misses between the nodes."""
 
 DIFFERENCE = 1e-6
@@ -39,8 +39,11 @@ DIFFERENCE = 1e-6
 HIP_WIDTHS = 1.2
 """Default distance between the ankles, within the bounds."""
 
-LEAN, RISE, SET_OFF = 0.03, 0.06, 0.8
-"""Start: beta at lift-off beyond half-way, range of beta [rad], duration of setting off [s]."""
+STARTS = (0.03, 0.06), (0.03, 0.04), (0.04, 0.03), (0.02, 0.08)
+"""Starts, tried until one leads to a gait: beta at lift-off beyond half-way, range of beta [rad]."""
+
+SET_OFF = 0.8
+"""Duration of setting off at the start [s]."""
 
 NOWHERE = 1e6
 """Scaled violation where a step cannot be evaluated."""
@@ -78,16 +81,16 @@ class _Problem:
         self._fri = slice(3 + 3 * (self._degree - 1), None)
         self._size = 0
 
-    def start(self) -> FloatArray:
+    def start(self, lean: float, rise: float) -> FloatArray:
         """A sway on the family's tangent while the pelvis lifts the swing foot by twice the clearance."""
-        M, beta = self._degree, self.family.half_way() + LEAN
+        M, beta = self._degree, self.family.half_way() + lean
         at = self.family.at(beta)
         roll = 2.0 * self.asked.bounds.swing_clearance / self.biped.hip_width
         s = np.linspace(0.0, 1.0, M + 1)
         lifted = np.outer([1.0, -1.0, 0.0], roll * s**2 * (3.0 - 2.0 * s))
-        columns = at.q[1:, None] + np.outer(at.dq[1:], RISE * s) + lifted
+        columns = at.q[1:, None] + np.outer(at.dq[1:], rise * s) + lifted
         middle = np.full(self._fri_degree + 1, 0.5 * sum(self.biped.sole))
-        return np.concatenate([[beta, beta + RISE, SET_OFF], columns[:, 2:].T.ravel(), middle])
+        return np.concatenate([[beta, beta + rise, SET_OFF], columns[:, 2:].T.ravel(), middle])
 
     def scale(self) -> FloatArray:
         """Changes of the variables that matter alike."""
@@ -106,9 +109,9 @@ class _Problem:
         low[self._fri], high[self._fri] = 2.0 * outer - inner, 2.0 * inner - outer
         return low, high
 
-    def forget(self) -> None:
-        """How many margins there are: with other nodes there are others."""
-        self._size = 0
+    def use(self, nodes: int) -> None:
+        """So many quadrature nodes from now on."""
+        self.nodes, self._size = nodes, 0
 
     def gait(self, x: FloatArray) -> SupportGait:
         """The gait of the variables; its speed is that of the orbit where there is one."""
@@ -178,23 +181,24 @@ def design_support_gait(
     asked = SupportSpecification(default_specification(biped)) if asked is None else asked
     width = float(np.clip(HIP_WIDTHS * biped.hip_width, *asked.bounds.step_width)) if width is None else width
     problem = _Problem(biped, asked, width)
-    x = problem.start()
-    box = problem.bounds(x)
     iterations = 0
-    for problem.nodes in NODES:
-        problem.forget()
-        found = minimise(problem.evaluate, x, *box, problem.scale(), SqpSettings())
-        iterations += found.iterations
-        if not found.feasible:
-            raise DesignFailedError(
-                f"{biped.name}: no gait with a double support of {asked.double_support[0]:g} to"
-                f" {asked.double_support[1]:g} s, ankles {width:.3g} m apart: violation {found.violation:.2g}"
-                f" ({found.message}); change double_support, width or the bounds"
-            )
-        x, gait = found.x, problem.gait(found.x)
-        step = evaluate_support_step(biped, gait, DENSE)
-        least = float(margins(step.constraints).min())
-        if least >= 0.0:
-            break
-    gait = replace(gait, speed=float(step.orbit.dbeta[-1]))
-    return SupportDesign(gait, step.cost, step.duration, step.hand_over.duration, least, iterations)
+    for start in STARTS:
+        x = problem.start(*start)
+        box = problem.bounds(x)
+        for nodes in NODES:
+            problem.use(nodes)
+            found = minimise(problem.evaluate, x, *box, problem.scale(), SqpSettings())
+            iterations += found.iterations
+            if not found.feasible:
+                break
+            x, gait = found.x, problem.gait(found.x)
+            step = evaluate_support_step(biped, gait, DENSE)
+            least = float(margins(step.constraints).min())
+            if least >= 0.0:
+                gait = replace(gait, speed=float(step.orbit.dbeta[-1]))
+                return SupportDesign(gait, step.cost, step.duration, step.hand_over.duration, least, iterations)
+    short, long = asked.double_support
+    raise DesignFailedError(
+        f"{biped.name}: no gait found with a double support of {short:g} to {long:g} s, ankles {width:.3g} m apart:"
+        f" violation {found.violation:.2g} ({found.message}); change double_support, width or the bounds"
+    )

@@ -7,9 +7,11 @@ momentum is zero to rounding.
 rate = -2 p' m p_cm_v' / I_P (`zero_dynamics.restricted`). Rising and falling take the same curve, so what is left of a
 step is the double support: with p over beta as planned the slope of the map is
 
-.. math:: \exp \int -2\, p'\, m p_{cm,v}' / I_P \; d\beta = 1,
+.. math:: \exp \int -2\, p'\, m p_{cm,v}' / I_P \; d\beta \approx 1,
 
-for p' is the same, and the slope of the height the opposite, on both sides of half-way: neutral. With dead beat the
+for p' is the same, and the slope of the height the opposite, on both sides of half-way: neutral. (It would be one
+exactly if the plan were its own mirror image; a polynomial in beta seen from one foot is not quite one seen from the
+other.) With dead beat the
 lift-off does not depend on the arrival: the slope is zero, for every arrival between the slowest and the fastest whose
 hand-over soles and motors allow.
 """

@@ -8,11 +8,11 @@ reversed: Z(beta_r-) = 0 holds for *every* reversal, and the slope of the return
 
 The double support between two steps is its own mirror image: landing and lift-off are the same pose seen from either
 foot. With the pressure point crossing as planned over beta its slope is one as well, for the height of the centre of
-mass is the same on both sides of half-way. Such a gait would be neutral: an error of speed stays. It is the choice of
+mass is the same on both sides of half-way (all but 3e-5: see `support_certificate`). Such a gait would be neutral: an error of speed stays. It is the choice of
 ddbeta in double support (`zero_dynamics.support_plan`) that makes the multiplier zero.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from frontal_biped.exceptions import GaitFileError, SpecificationError
@@ -40,7 +40,7 @@ class SupportSpecification:
         SpecificationError: a value is out of range.
     """
 
-    bounds: GaitSpecification = GaitSpecification()
+    bounds: GaitSpecification = field(default_factory=GaitSpecification)
     double_support: tuple[float, float] = (0.1, 0.2)
     pressure_margin: float = 0.012
 

@@ -142,6 +142,7 @@ class SupportEngine:
         """Under held joint torques (4,) [N m] from t to ``end`` [s]; how the robot fell, if it did."""
         self._u = self.biped.stance_map.torques_to_stance(tau, self.stance)
         stays = False
+        fell: EventKind | str | None
         while end - t > 1e-12:
             h = min(end - t, MAX_STEP)
             if self.double and not stays:
@@ -167,9 +168,12 @@ class SupportEngine:
         outer, inner = self.biped.sole
         for wrench, low, high in ((forces.stance, outer, inner), (forces.swing, -inner, -outer)):
             F_v = float(wrench[F_V])
-            if F_v > LOADED * weight and not (low - BEYOND_SOLE * (high - low)) * F_v <= wrench[N_0] <= (
-                high + BEYOND_SOLE * (high - low)
-            ) * F_v:
+            if (
+                F_v > LOADED * weight
+                and not (low - BEYOND_SOLE * (high - low)) * F_v
+                <= wrench[N_0]
+                <= (high + BEYOND_SOLE * (high - low)) * F_v
+            ):
                 return EventKind.ROLLED
         if float(forces.swing[F_V]) < -HELD * weight:
             self._leave(t)

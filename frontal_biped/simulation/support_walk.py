@@ -96,7 +96,7 @@ class MujocoSupport(MujocoRobot):
         """What the ground does to either foot."""
         return {side: self.reaction(side) for side in Stance}
 
-    def advance(self, t: float, end: float, tau: FloatArray) -> EventKind | str | None:  # noqa: ARG002
+    def advance(self, t: float, end: float, tau: FloatArray) -> EventKind | str | None:
         """One control period under joint torques (4,) [N m]; how the robot fell, if it did."""
         self.run(tau, self._substeps, [])
         if not np.isfinite(self.data.qpos).all():

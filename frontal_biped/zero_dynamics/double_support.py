@@ -128,7 +128,7 @@ class SupportPoint:
         resting = self.total(0.0, speed_squared)[TORQUES]
         acceleration = float(dq @ (u - resting) / (dq @ self.A[TORQUES]))
         missing = self.total(acceleration, speed_squared)[TORQUES] - u
-        swing = np.linalg.lstsq(self.J.T, missing, rcond=None)[0]
+        swing: FloatArray = np.linalg.lstsq(self.J.T, missing, rcond=None)[0].astype(float)
         return acceleration, self.forces(acceleration, speed_squared, swing)._replace(u=u)
 
     def pressure_point(self, acceleration: float, speed_squared: float) -> float:
@@ -178,7 +178,7 @@ class SupportPoint:
         for sign in (1.0, -1.0):
             cost = np.array([sign, 0.0, 0.0, 0.0])
             found = linprog(cost, A_ub=-C * scale / self.biped.weight, b_ub=-c / self.biped.weight, bounds=(None, None))
-            if not found.success:
+            if not found.success or found.x is None:
                 return None
             ends.append(float(found.x[0]))
         return ends[0], ends[1]

@@ -57,7 +57,7 @@ class SupportPlan:
         return self.path.at(t)
 
     def pressure_margin(self, count: int = 17) -> float:
-        """How deep inside the ends of both feet the pressure point stays, at ``count`` instants [m]; -inf off the family."""
+        """How deep inside the ends of both feet the pressure point stays, at some instants [m]; -inf off the family."""
         outer = self.family.biped.sole[0]
         margins = []
         for t in np.linspace(0.0, self.duration, count).tolist():
