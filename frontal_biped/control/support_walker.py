@@ -23,7 +23,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.controller import QpController
-from frontal_biped.control.double_support import SupportProgram
+from frontal_biped.control.support_torques import SupportProgram
 from frontal_biped.control.interface import Reading
 from frontal_biped.control.settings import ControllerSettings, sampled_frequency
 from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
@@ -39,7 +39,7 @@ from frontal_biped.virtual_constraints.contract import RisingConstraints, Virtua
 from frontal_biped.virtual_constraints.double_support import DoubleSupportFamily
 from frontal_biped.virtual_constraints.phase import StepPhase
 from frontal_biped.virtual_constraints.piecewise import ContinuedPhase
-from frontal_biped.zero_dynamics.double_support import SupportPoint
+from frontal_biped.zero_dynamics.support_dynamics import SupportPoint
 from frontal_biped.zero_dynamics.half_steps import ConstrainedState
 from frontal_biped.zero_dynamics.support_plan import HandOver, SingleSupportEnd, SupportPlan, rest_to_rest
 

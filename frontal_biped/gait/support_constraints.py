@@ -3,8 +3,10 @@
 Single support, from the lift-off to the reversal (falling is the same backwards): C02, C03, C05, C06 and the limits of
 the joints. The swing foot leaves the ground at rest, so its height grows with the square of the way, and C05 bounds the
 height over (1 - t2)^2. At the lift-off the torques of single support must take the foot off the ground, upwards rather
-than sideways: were it held, the ground would have to pull. Double support, and the way from standing into the gait: the pressure point stays inside both
-feet; that soles and motors can share the load behind it, the certificate asks of `SupportPoint`.
+than sideways: were it held, the ground would have to pull.
+
+Double support, and the way from standing into the gait: the pressure point stays inside both feet; that soles and
+motors can share the load behind it, the certificate asks of `SupportPoint`.
 """
 
 from typing import NamedTuple
@@ -36,7 +38,7 @@ from frontal_biped.model.chain import JOINTS
 from frontal_biped.model.impact import impact
 from frontal_biped.numerics.quintic import Kinematics, Quintic
 from frontal_biped.virtual_constraints.double_support import DoubleSupportFamily
-from frontal_biped.zero_dynamics.double_support import SupportPoint
+from frontal_biped.zero_dynamics.support_dynamics import SupportPoint
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit
 from frontal_biped.zero_dynamics.poincare import StepOrbit
 from frontal_biped.zero_dynamics.restricted import F_H, F_V, TORQUES
@@ -184,8 +186,10 @@ def _from_rest(gait: SupportGait, lift_off: Kinematics, plan: SupportPlan) -> Co
             points.append(SupportPoint.of(family, beta).pressure_point(acceleration, rate**2))
         except UnreachablePoseError:
             points.append(np.inf)
-    low, high = outer + gait.asked.pressure_margin, family.width - outer - gait.asked.pressure_margin
-    return Constraint("standing", "pressure point while setting off", "m", np.array(points), low, high, PLACE)
+    inside = outer + gait.specification.fri_margin + gait.asked.pressure_margin
+    return Constraint(
+        "standing", "pressure point while setting off", "m", np.array(points), inside, family.width - inside, PLACE
+    )
 
 
 def margins(constraints: list[Constraint], distance: float = 0.0) -> FloatArray:

@@ -7,9 +7,9 @@ scalar dynamics on Z depends on beta and dbeta^2 alone, so the robot lands exact
 reversed: Z(beta_r-) = 0 holds for *every* reversal, and the slope of the return map of the single support is one.
 
 The double support between two steps is its own mirror image: landing and lift-off are the same pose seen from either
-foot. With the pressure point crossing as planned over beta its slope is one as well, for the height of the centre of
-mass is the same on both sides of half-way (all but 3e-5: see `support_certificate`). Such a gait would be neutral: an error of speed stays. It is the choice of
-ddbeta in double support (`zero_dynamics.support_plan`) that makes the multiplier zero.
+foot. With the pressure point crossing as planned over beta its slope is all but one as well (`support_certificate`),
+for the height of the centre of mass is the same on both sides of half-way. Such a gait would be neutral: an error of
+speed stays. It is the choice of ddbeta in double support (`zero_dynamics.support_plan`) that makes the multiplier zero.
 """
 
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.double_support import DoubleSupportFamily
 from frontal_biped.virtual_constraints.phase import Phase, StepPhase
-from frontal_biped.zero_dynamics.double_support import SupportLimits
+from frontal_biped.zero_dynamics.support_dynamics import SupportLimits
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit, phase_orbit
 from frontal_biped.zero_dynamics.support_plan import HandOver, SingleSupportEnd
 
@@ -34,7 +34,8 @@ class SupportSpecification:
         bounds: the bounds of single support, and of the duration of a step, double support included; what they ask of
             an impact has no meaning here.
         double_support: shortest and longest double support [s].
-        pressure_margin: how deep inside the ends of both feet the pressure point stays in double support [m].
+        pressure_margin: how deep inside what the bounds' FRI margin leaves of both feet the pressure point stays on the
+            way from standing [m].
 
     Raises:
         SpecificationError: a value is out of range.
@@ -42,7 +43,7 @@ class SupportSpecification:
 
     bounds: GaitSpecification = field(default_factory=GaitSpecification)
     double_support: tuple[float, float] = (0.1, 0.2)
-    pressure_margin: float = 0.012
+    pressure_margin: float = 0.006
 
     def __post_init__(self) -> None:
         low, high = self.double_support
@@ -51,7 +52,7 @@ class SupportSpecification:
                 f"double_support = [{low:g}, {high:g}]: needs 0 < shortest <= longest < 2 s; write [0.1, 0.2]"
             )
         if not 0.0 <= self.pressure_margin < 0.1:
-            raise SpecificationError(f"pressure_margin = {self.pressure_margin:g}: needs 0 <= m < 0.1; write 0.012")
+            raise SpecificationError(f"pressure_margin = {self.pressure_margin:g}: needs 0 <= m < 0.1; write 0.006")
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ import numpy as np
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.numerics.quintic import Kinematics, Quintic
 from frontal_biped.virtual_constraints.double_support import DoubleSupportFamily
-from frontal_biped.zero_dynamics.double_support import SupportLimits, SupportPoint
+from frontal_biped.zero_dynamics.support_dynamics import SupportLimits, SupportPoint
 
 NODES, WEIGHTS = (np.array(part) for part in np.polynomial.legendre.leggauss(8))
 """Gauss's rule for the duration of a hand-over; with eight nodes it is exact to 1e-9 on the gaits tried."""

@@ -1,6 +1,6 @@
 """Torques in double support: the acceleration along the family that is asked for, the load shared between both soles.
 
-Four numbers are free, ddbeta and the wrench of the swing foot (`zero_dynamics.double_support`). Where soles and motors
+Four numbers are free, ddbeta and the wrench of the swing foot (`zero_dynamics.support_dynamics`). Where soles and motors
 allow it both are as wanted, in closed form: the swing foot takes the share that brings the pressure point where ddbeta
 needs it, either foot pressed at the same distance inwards. Otherwise a quadratic program looks for the nearest four
 that are allowed, ddbeta first.
@@ -12,7 +12,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.numerics.quadratic_program import UNBOUNDED, ProxQpSolver, QuadraticProgram
-from frontal_biped.zero_dynamics.double_support import WRENCH, SupportForces, SupportLimits, SupportPoint
+from frontal_biped.zero_dynamics.support_dynamics import WRENCH, SupportForces, SupportLimits, SupportPoint
 
 ACCELERATION = 0.1
 """What of ddbeta counts as much as all of the weight on the wrong foot [rad/s^2]: the motion comes first."""
