@@ -1,6 +1,6 @@
 """Torques in double support: the acceleration along the family that is asked for, the load shared between both soles.
 
-Four numbers are free, ddbeta and the wrench of the swing foot (`zero_dynamics.support_dynamics`). Where soles and motors
+Four numbers are free, ddbeta and the wrench of the swing foot (see `support_dynamics`). Where soles and motors
 allow it both are as wanted, in closed form: the swing foot takes the share that brings the pressure point where ddbeta
 needs it, either foot pressed at the same distance inwards. Otherwise a quadratic program looks for the nearest four
 that are allowed, ddbeta first.

@@ -23,10 +23,10 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.controller import QpController
-from frontal_biped.control.support_torques import SupportProgram
 from frontal_biped.control.interface import Reading
 from frontal_biped.control.settings import ControllerSettings, sampled_frequency
 from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
+from frontal_biped.control.support_torques import SupportProgram
 from frontal_biped.control.torques.linearisation import Targets
 from frontal_biped.control.walker.measured_state import measured_state
 from frontal_biped.exceptions import ControllerError, ReversalError
@@ -39,8 +39,8 @@ from frontal_biped.virtual_constraints.contract import RisingConstraints, Virtua
 from frontal_biped.virtual_constraints.double_support import DoubleSupportFamily
 from frontal_biped.virtual_constraints.phase import StepPhase
 from frontal_biped.virtual_constraints.piecewise import ContinuedPhase
-from frontal_biped.zero_dynamics.support_dynamics import SupportPoint
 from frontal_biped.zero_dynamics.half_steps import ConstrainedState
+from frontal_biped.zero_dynamics.support_dynamics import SupportPoint
 from frontal_biped.zero_dynamics.support_plan import HandOver, SingleSupportEnd, SupportPlan, rest_to_rest
 
 FREQUENCY = 20.0

@@ -26,8 +26,8 @@ from frontal_biped.gait.support_constraints import evaluate_support_step, margin
 from frontal_biped.gait.support_gait import SupportGait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.impact import impact
-from frontal_biped.zero_dynamics.support_dynamics import SupportPoint
 from frontal_biped.zero_dynamics.restricted import F_V, N_0
+from frontal_biped.zero_dynamics.support_dynamics import SupportPoint
 from frontal_biped.zero_dynamics.support_plan import HandOver, SupportPlan
 
 DENSE = 60

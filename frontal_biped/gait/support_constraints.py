@@ -38,10 +38,10 @@ from frontal_biped.model.chain import JOINTS
 from frontal_biped.model.impact import impact
 from frontal_biped.numerics.quintic import Kinematics, Quintic
 from frontal_biped.virtual_constraints.double_support import DoubleSupportFamily
-from frontal_biped.zero_dynamics.support_dynamics import SupportPoint
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit
 from frontal_biped.zero_dynamics.poincare import StepOrbit
 from frontal_biped.zero_dynamics.restricted import F_H, F_V, TORQUES
+from frontal_biped.zero_dynamics.support_dynamics import SupportPoint
 from frontal_biped.zero_dynamics.support_plan import NODES, WEIGHTS, SupportPlan
 
 TO_SPARE = 0.5

@@ -21,8 +21,8 @@ from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.double_support import DoubleSupportFamily
 from frontal_biped.virtual_constraints.phase import Phase, StepPhase
-from frontal_biped.zero_dynamics.support_dynamics import SupportLimits
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit, phase_orbit
+from frontal_biped.zero_dynamics.support_dynamics import SupportLimits
 from frontal_biped.zero_dynamics.support_plan import HandOver, SingleSupportEnd
 
 

@@ -30,8 +30,8 @@ from frontal_biped.simulation.hybrid_system import FLAT_LANDING, LEAVING, LOWEST
 from frontal_biped.simulation.rigid import BEYOND_SOLE, MAX_STEP
 from frontal_biped.simulation.stance_motion import Reaction, StanceMotion
 from frontal_biped.virtual_constraints.double_support import DoubleSupportFamily
-from frontal_biped.zero_dynamics.support_dynamics import SupportPoint
 from frontal_biped.zero_dynamics.restricted import F_V, N_0, TORQUES
+from frontal_biped.zero_dynamics.support_dynamics import SupportPoint
 
 AT_ONCE = 0.02
 """Time within which the load of a foot makes up for an impulse that pulls at it [s]."""
