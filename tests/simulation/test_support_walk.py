@@ -1,0 +1,129 @@
+"""Stand, set off, walk with finite double supports, stop and stand, in our engine and in MuJoCo."""
+
+import numpy as np
+import pytest
+from support_gaits import designed
+
+from frontal_biped.control.support_walker import SupportMode
+from frontal_biped.exceptions import SimulationError
+from frontal_biped.model.catalogue import biped_of
+from frontal_biped.model.stance_map import Stance
+from frontal_biped.model.state import State
+from frontal_biped.simulation.support_engine import SupportEngine
+from frontal_biped.simulation.support_walk import stand_walk_stand, support_world, walk_from_lift_off
+
+DEAD_BEAT = 0.01
+"""Largest error of speed one step after one of 10 %."""
+
+FIRST_STEP = 0.05
+"""Largest error of the first lift-off's speed after standing."""
+
+TO_REST = 2
+"""Most landings between the command to stop and rest."""
+
+ENGINES = ["ours", "mujoco"]
+HUMANOIDS = [pytest.param(name, marks=pytest.mark.slow) for name in ("talos_full", "g1")]
+ROBOTS = ["frontal_biped", *HUMANOIDS]
+
+
+def gait_of(name):
+    return designed(name).gait
+
+
+def needs(engine):
+    if engine == "mujoco":
+        pytest.importorskip("mujoco")
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("name", ROBOTS)
+def test_from_standing_to_standing(name, engine):
+    needs(engine)
+    biped, gait = biped_of(name), gait_of(name)
+    run = stand_walk_stand(biped, gait, steps=3, engine=engine, stand=0.3)
+    assert not run.fell, run.outcome
+    assert abs(run.steps[0].speed / gait.speed - 1.0) < FIRST_STEP
+    assert run.landings_to_rest <= TO_REST
+    standing = run.mode == list(SupportMode).index(SupportMode.STANDING)
+    assert standing[0] and standing[-1]
+    assert np.abs(run.trajectory.dq[-1]).max() < 0.01  # at rest
+    assert run.loads[-1] == pytest.approx(np.full(2, 0.5 * biped.weight), rel=0.05)  # on both feet
+
+
+@pytest.mark.parametrize("error", [0.1, -0.1])
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("name", ROBOTS)
+def test_an_error_of_speed_is_gone_after_one_step(name, engine, error):
+    needs(engine)
+    biped, gait = biped_of(name), gait_of(name)
+    run = walk_from_lift_off(biped, gait, steps=2, engine=engine, speed_error=error)
+    assert not run.fell, run.outcome
+    first, second = (step.speed / gait.speed - 1.0 for step in run.steps[:2])
+    assert first == pytest.approx(error, abs=1e-6)
+    assert abs(second) < DEAD_BEAT
+
+
+def test_without_dead_beat_the_error_stays(biped):
+    """The gait is neutral: what the test above sees is the work of double support."""
+    gait = gait_of("frontal_biped")
+    run = walk_from_lift_off(biped, gait, steps=2, speed_error=0.1, dead_beat=False)
+    assert not run.fell, run.outcome
+    assert run.steps[1].speed / gait.speed - 1.0 > 0.05
+
+
+def test_either_foot_may_go_first(biped):
+    gait = gait_of("frontal_biped")
+    left, right = (walk_from_lift_off(biped, gait, steps=1, stance=side) for side in Stance)
+    assert left.trajectory.q == pytest.approx(right.trajectory.q, abs=1e-9)
+    assert left.loads == pytest.approx(right.loads[:, ::-1], abs=1e-5)
+
+
+def test_load_is_handed_over_without_a_jump(biped):
+    """In our engine: the foot that lands takes its load from nothing, the one that leaves gives up all of it."""
+    run = walk_from_lift_off(biped, gait_of("frontal_biped"), steps=2)
+    step = run.steps[0]
+    after = run.steps[1].lift_off
+    t = run.trajectory.t
+    inside = (t > step.landing + 2e-3) & (t < after - 2e-3)
+    share = run.loads[inside] / run.loads[inside].sum(axis=1, keepdims=True)
+    landed = share[:, 1]  # the first stance foot is the left one
+    assert landed[0] < 0.1 and landed[-1] > 0.9
+    assert np.abs(np.diff(landed)).max() < 0.05
+
+
+class TestEngine:
+    """Our engine with both feet on the ground."""
+
+    def test_a_plastic_landing_keeps_the_momentum_along_the_family(self, biped):
+        gait = gait_of("frontal_biped")
+        family, engine = gait.family(biped), SupportEngine(biped)
+        at = family.at(gait.rising.beta_start)
+        falling = -0.3 * at.dq + np.array([0.0, 0.002, -0.004, 0.002])  # the foot comes down a little
+        engine.lift(Stance.LEFT, State(at.q, falling))
+        D = biped.D(at.q)
+        assert engine._land(0.0) is None
+        assert engine.double and engine.stance is Stance.RIGHT
+        back = engine.state.relabelled()
+        assert at.dq @ D @ back.dq == pytest.approx(at.dq @ D @ falling, rel=1e-9)
+        assert 0.5 * back.dq @ D @ back.dq <= 0.5 * falling @ D @ falling
+
+    def test_a_hard_landing_tears_the_other_foot_off(self, biped):
+        gait = gait_of("frontal_biped")
+        engine = SupportEngine(biped)
+        at = gait.family(biped).at(gait.rising.beta_start)
+        engine.lift(Stance.LEFT, State(at.q, np.array([-1.0, -6.0, 12.0, -5.0])))
+        assert engine._land(0.0) == "a landing tore the other foot off the ground"
+
+    def test_a_foot_that_would_be_pulled_leaves(self, biped):
+        gait = gait_of("frontal_biped")
+        family, engine = gait.family(biped), SupportEngine(biped)
+        engine.stand(Stance.LEFT, family, family.half_way())
+        lifting = np.array([0.0, 60.0, 60.0, 0.0])
+        engine.advance(0.0, 1e-3, biped.stance_map.torques_to_urdf(lifting, Stance.LEFT))
+        assert engine.lift_offs or engine.double  # the ground never pulls ...
+        for reaction in engine.reactions().values():
+            assert reaction.F_v > -1e-3 * biped.weight
+
+    def test_unknown(self, biped):
+        with pytest.raises(SimulationError, match="ours, mujoco"):
+            support_world(biped, "bullet")
