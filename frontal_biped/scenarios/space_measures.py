@@ -49,8 +49,9 @@ def spatial_measures(prepared: Prepared, run: SpatialRun) -> dict[str, float]:
 
 
 def _of_path(run: SpatialRun) -> dict[str, float]:
+    """What only a walk along a path has."""
     if "path" not in run.settings:
-        return dict.fromkeys(("path_distance", "path_angle"), float("nan"))
+        return {}
     miss = missed(run)
     return {"path_distance": miss.distance, "path_angle": miss.angle}
 

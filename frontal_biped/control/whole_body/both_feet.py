@@ -16,7 +16,7 @@ are kept small.
 Where no limit is active the answer is that of the linear system of the equalities and T's gradient; otherwise ProxQP's.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.linalg.lapack import dgesv
@@ -82,7 +82,7 @@ class BothFeetSolution(WholeBodySolution):
         other_wrench: (6,) on the right sole, as ``wrench``.
     """
 
-    other_wrench: FloatArray = KEPT  # type: ignore[assignment]  # always given
+    other_wrench: FloatArray = field(default_factory=lambda: np.zeros(WRENCH))
 
 
 class BothFeetProgram:
