@@ -28,6 +28,22 @@ Each claim, how it is held, what was measured, and the tests that hold it:
 * Walks in MuJoCo with every joint free: five robots four or six steps on the spot, step time within 1 %; talos_full ten
   steps at 0.2 m/s, with noise and 3 ms of delay too, step time within 2 %, speed within 10 %.
   simulation/space/test_walk_spatial.py
+* Two steps in turn: the map of both in closed form against the full model, three travels, two robots, relative 1e-5,
+  multiplier 1e-4; two equal steps give the numbers of one; the pair of reversals by elimination and by Newton's method;
+  `travel = 0.1` of the Table I robot certified, 50 steps in both engines. zero_dynamics/test_two_steps.py,
+  zero_dynamics/reversal/test_two_reversals.py, gait/test_sideways_gait.py, design/test_sideways_design.py
+* Double support: torques to motion and both wrenches against the contact dynamics of the floating robot, 1e-9; power
+  against energy; least and greatest acceleration against programs of their own; no impulse at the landing.
+  zero_dynamics/test_support_dynamics.py, zero_dynamics/test_support_plan.py, gait/test_support_gait.py
+* Stand, set off, walk, stop, stand, in both engines, three robots: first lift-off within 5 % of the orbit's speed, an
+  error of 10 % below 1 % after a step, at rest within two landings. simulation/test_support_walk.py
+* In space along a path: words, poses, plans of steps, stands and both feet each by itself; talos_full along short paths,
+  where it ends in truth and by odometry. control/path/test_language.py, control/path/test_follower.py,
+  control/spatial_walker/test_step_plan.py, control/spatial_walker/test_standing.py,
+  control/whole_body/test_both_feet.py, control/test_landing_widths.py, simulation/space/test_walk_path.py
+* The studio's steered walk: an order is followed from the next step on, in the browser too; its nodes stand where
+  Pinocchio has the bodies, 1e-9; its process ends with its parent. studio/test_app.py, studio/test_driver.py,
+  studio/test_space_drawing.py, simulation/space/test_steered.py
 * A URDF is read as it is written, in all the ways that one small humanoid can be: mass and inertia of every body equal
   the text's; a posture keeps the angles it is given. model/urdf/test_same_robot.py
 * A gait is called one when it walks: what governs a fall is tightened, within a budget; the gait `rough` 20 steps in
