@@ -37,8 +37,8 @@ Each claim, how it is held, what was measured, and the tests that hold it:
   zero_dynamics/test_support_dynamics.py, zero_dynamics/test_support_plan.py, gait/test_support_gait.py
 * Stand, set off, walk, stop, stand, in both engines, three robots: first lift-off within 5 % of the orbit's speed, an
   error of 10 % below 1 % after a step, at rest within two landings. simulation/test_support_walk.py
-* In space along a path: words, poses, plans of steps, stands and both feet each by itself; talos_full along short paths,
-  where it ends in truth and by odometry. control/path/test_language.py, control/path/test_follower.py,
+* In space along a path: words, poses, plans of steps, stands and both feet each by itself; talos_full along paths,
+  where it ends in truth and by odometry. control/path/test_path_language.py, control/path/test_path_follower.py,
   control/spatial_walker/test_step_plan.py, control/spatial_walker/test_standing.py,
   control/whole_body/test_both_feet.py, control/test_landing_widths.py, simulation/space/test_walk_path.py
 * The studio's steered walk: an order is followed from the next step on, in the browser too; its nodes stand where

@@ -83,15 +83,16 @@ class TestDescription:
 
 class TestScenario:
     (block,) = blocks(frontal_biped.scenarios.file)
-    (space_block,) = blocks(frontal_biped.scenarios.space_file)
+    space_block, path_block = blocks(frontal_biped.scenarios.space_file)
 
     def test_every_key_is_named(self):
-        table, space = tomllib.loads(self.block), tomllib.loads(self.space_block)
-        assert set(table) | set(space) == set(frontal_biped.scenarios.file.KEYS)
+        table, space, path = map(tomllib.loads, (self.block, self.space_block, self.path_block))
+        assert set(table) | set(space) | set(path) == set(frontal_biped.scenarios.file.KEYS)
         assert set(table["disturbances"]) == {field.name for field in fields(Disturbances)} - {"pushes", "seed"}
         assert not set(space["disturbances"]) - set(table["disturbances"]) - {"velocity_noise"}
         said = set(re.findall(r"``(\w+)`` \[\w+\]", frontal_biped.scenarios.file.__doc__))
-        assert set(table["expect"]) | set(space["expect"]) | said == {f.name for f in fields(Expectations)} | {"delay"}
+        expected = set(table["expect"]) | set(space["expect"]) | set(path["expect"])
+        assert expected | said == {f.name for f in fields(Expectations)} | {"delay"}
 
     def test_what_only_space_has_loads(self, tmp_path):
         path = tmp_path / "space.scenario.toml"
@@ -99,6 +100,10 @@ class TestScenario:
         scenario = load_scenario(path)
         assert scenario.space is not None and len(scenario.space.pushes) == 1
         assert [command.speed for command in scenario.space.commands] == [0.2, 0.3]
+        path.write_text(self.path_block, encoding="utf-8")
+        scenario = load_scenario(path)
+        assert scenario.space is not None and scenario.space.path == "stand 1; forward 2; turn 90; stop"
+        assert scenario.expect.path_distance == 0.1
 
     @pytest.mark.slow
     def test_is_as_expected(self, tmp_path):

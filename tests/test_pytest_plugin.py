@@ -33,6 +33,7 @@ def test_a_project_that_does_not_ask_is_left_alone(strangers):
     assert not (strangers.path / "trace").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("asked", [("--scenarios",), ("theirs.scenario.toml",), ("-o", "frontal_biped_scenarios=yes")])
 def test_it_may_be_asked_for_on_the_command_line(strangers, asked):
     """The module is imported, and has no factory."""

@@ -132,12 +132,26 @@ def sweep_from_dict(table: dict[str, Any], where: str) -> Sweep:
         count *= _length(f"{where}: sweep.{key}", value)
     if count > MAX_POINTS:
         raise SpecificationError(f"{where}: the grid has {count} points, more than {MAX_POINTS}; split the sweep")
+    _reject_twins(f"{where}: robot", robots)
+    for key, value in swept.items():
+        if isinstance(value, list):
+            _reject_twins(f"{where}: sweep.{key}", value)
     axes = {key: _axis(f"{where}: sweep.{key}", value) for key, value in swept.items()}
     for key, values in axes.items():
         # what a specification allows of a number is an interval: of an even range its ends tell
         for value in values if isinstance(swept[key], list) else (values[0], values[-1]):
             GaitSpecification.from_dict({key: value}, f"{where}: sweep")
     return Sweep(tuple(robots), shared, axes, batch)
+
+
+def _reject_twins(where: str, values: list[Any]) -> None:
+    """A value that stands twice would have every gait designed twice."""
+    seen = set()
+    for value in values:
+        told = repr(value)
+        if told in seen:
+            raise SpecificationError(f"{where}: {quoted(value)} stands twice; keep one of them")
+        seen.add(told)
 
 
 def _is_name(robot: object) -> bool:

@@ -7,7 +7,6 @@ Everything that `frontal_biped.scenarios.file` lists holds in space too, but for
     speed = 0.2                            # m/s, forwards, from the start; a number or a range, as all below
     lateral = 0.0                          # m/s, to the left
     turn = 0.0                             # rad/s, to the left
-    path = "forward 2; turn 90; stop"      # in place of speeds: from a stand to a stand; steps: after which it gives up
     # no simulator, MuJoCo walks; no flat_landing
 
     [controller]                           # or controller = "walker", "my_module:make"
@@ -43,6 +42,16 @@ Everything that `frontal_biped.scenarios.file` lists holds in space too, but for
     torque = 1.0                           # of the limits of any joint
     joint_speed = 1.0                      # of the limits of any joint
     self_collisions = 0                    # instants at which links touch, at most
+
+A walk along a path is one from a stand to a stand, without speeds and commands (`frontal_biped.control.path.language`
+has its words):
+
+    space = true
+    robot = "talos_full"
+    path = "stand 1; forward 2; turn 90; stop"
+    steps = 100                            # after which it gives up
+
+    [expect]
     path_distance = 0.1                    # m, from where the path was to end; in truth, not by odometry
     path_angle = 0.09                      # rad
 """

@@ -18,6 +18,7 @@ def loads(biped, reference_gait):
     return load_without_impact(biped, designed("frontal_biped").gait), load_with_impact(biped, reference_gait)
 
 
+@pytest.mark.slow
 def test_no_spike_without_an_impact(loads):
     without, with_impact = loads
     assert without.peak < FULL_LOAD < with_impact.peak

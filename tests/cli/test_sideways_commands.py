@@ -10,6 +10,7 @@ from frontal_biped.cli import main
 GAIT = str(Path(__file__).parents[1] / "data" / "sideways.gait.json")
 
 
+@pytest.mark.slow
 def test_analyze(capsys):
     assert main(["analyze", GAIT]) == 0
     said = capsys.readouterr().out

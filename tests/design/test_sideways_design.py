@@ -98,6 +98,7 @@ class TestDesign:
         assert result.verification.passed
         assert result.gait.provenance["walk"] == "left out (quick)"
 
+    @pytest.mark.slow
     def test_no_farther_than_another_start_finds(self, biped, result, sideways):
         """From a gait of more travel the same minimum is found."""
         again = design_sideways_gait(biped, result.gait.specification, quick=True, start=sideways)

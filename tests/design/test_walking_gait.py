@@ -70,6 +70,7 @@ def test_a_gait_that_walks_is_the_certified_one_and_says_so(biped, reference_gai
     assert result.walk is GOOD
 
 
+@pytest.mark.slow
 def test_what_governs_the_fall_is_tightened(biped, walks):
     answers, seen = walks
     answers[:] = [fallen(EventKind.EDGE_LANDING.value, "mujoco"), GOOD]

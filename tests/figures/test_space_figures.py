@@ -88,6 +88,7 @@ def test_a_long_walk_shows_its_start_and_its_end(talos):
     assert_fit_for_a_column(figure)
 
 
+@pytest.mark.slow
 def test_a_fall_without_a_gait_is_drawn_and_written(talos, tmp_path):
     robot, run, *_ = talos
     q = run.q.copy()

@@ -12,6 +12,7 @@ TOLD = 1e-6
 """A microsecond: finer than any page, table or figure tells a time [s]."""
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("column", [2, 3])
 @pytest.mark.parametrize("phase", ["rising", "falling"])

@@ -101,6 +101,7 @@ class TestVerdict:
             asked = replace(sideways.specification, max_multiplier=bound)
             assert judge_sideways(biped, sideways, asked).verdict is verdict
 
+    @pytest.mark.slow
     def test_another_energy_is_refuted(self, biped, sideways):
         moved = sideways.a.rising.joint_bezier.copy()
         moved[0, 3] += 1e-3

@@ -84,6 +84,8 @@ def test_no_axis_is_one_gait():
         ({"sweep": {"friction": [datetime.date(1979, 5, 27)]}}, "1979"),
         ({"sweep": {"friction": [0.1] * 1000, "fri_margin": [0.01] * 101}}, "the grid has 101000 points"),
         ({"batch": 10**6}, "batch = 1000000"),
+        ({"robot": ["g1", "romeo", "g1"]}, "'g1' stands twice"),
+        ({"sweep": {"step_width": [[0.2, 0.3], [0.3, 0.3], [0.2, 0.3]]}}, "[0.2, 0.3] stands twice"),
         ({"robot": ["a\0"]}, "neither a name nor a list of names"),
         ({"robot": "\x1b[2J"}, "neither a name nor a list of names"),
         ({"specification": {"friction": 1e308}}, "friction = 1e+308 is above"),
@@ -108,7 +110,7 @@ def test_missing_file(tmp_path):
     "axes",
     [
         {"friction": {"from": 0.1, "to": 0.9, "count": 100_000}},
-        {"friction": {"from": 0.1, "to": 0.9, "count": 1000}, "degree": [4, 5] * 50},
+        {"friction": {"from": 0.1, "to": 0.9, "count": 1000}, "fri_margin": {"from": 0.001, "to": 0.01, "count": 100}},
     ],
 )
 def test_the_largest_grid_is_read_and_divided_in_seconds(axes):

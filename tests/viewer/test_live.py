@@ -97,6 +97,7 @@ def test_opens_no_browser_in_continuous_integration(biped, orbit, monkeypatch):
     assert len(opened) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="counts processes in /proc")
 @pytest.mark.parametrize("ending", [signal.SIGTERM, signal.SIGINT, signal.SIGKILL], ids=lambda s: s.name)
 def test_no_orphan_after_a_signal(ending):
@@ -178,6 +179,7 @@ def vanish(client):
     client.close()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="counts processes in /proc")
 @pytest.mark.parametrize("ending", [signal.SIGTERM, signal.SIGINT, signal.SIGKILL], ids=lambda s: s.name)
 def test_browsers_that_vanish_or_stall_do_no_harm(ending, run_file):

@@ -106,6 +106,7 @@ def test_a_late_fall_is_led_back_over_the_reversal(case):
     assert at == pytest.approx(above, rel=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [0.98, 1.02])
 def test_margin_tells_who_tips(biped, level_gait, factor):
     """An impact with a little more than the barrier takes the robot over; with a little less it comes back."""

@@ -123,6 +123,7 @@ class TestCertificate:
         assert {"fixed", "self_consistent", "condition_b"} <= set(found.as_dict())
         assert "undecided" in dict(found.rows())["invariance imposed"]
 
+    @pytest.mark.slow
     def test_another_energy_has_its_pair_elsewhere(self, biped, sideways):
         moved = sideways.a.rising.fri_bezier.copy()
         moved[1] += 1e-3
