@@ -3,6 +3,7 @@
 import argparse
 import os
 
+from frontal_biped.cli import double_support
 from frontal_biped.cli.arguments import add_gait, add_json, add_robot, add_verbose, processes
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
 from frontal_biped.cli.output import emit
@@ -37,12 +38,15 @@ def run(arguments: argparse.Namespace) -> int:
     from frontal_biped.analysis.closed_form import analyze
     from frontal_biped.analysis.robustness import robustness_card
     from frontal_biped.analysis.sideways import analyze_sideways
-    from frontal_biped.cli.sources import load_any_walker
+    from frontal_biped.cli.sources import load_filed_walker
     from frontal_biped.cli.workers import workers
     from frontal_biped.exceptions import GaitFileError
     from frontal_biped.gait.sideways import SidewaysGait
+    from frontal_biped.gait.support_gait import SupportGait
 
-    biped, gait = load_any_walker(arguments.gait, arguments.robot)
+    biped, gait = load_filed_walker(arguments.gait, arguments.robot)
+    if isinstance(gait, SupportGait):
+        return double_support.analyze(arguments, biped, gait)
     if isinstance(gait, SidewaysGait):
         if arguments.robustness:
             raise GaitFileError(f"{arguments.gait}: holds two steps, and the robustness card is of one; leave it out")

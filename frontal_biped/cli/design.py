@@ -6,6 +6,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from frontal_biped.cli import double_support
 from frontal_biped.cli.arguments import (
     add_json,
     add_output,
@@ -69,6 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
     specification = default_specification(biped) if arguments.spec is None else load_specification(arguments.spec)
     output = arguments.output or free_path(_place(biped) / "gait.json")
     require_output(output)
+    if specification.double_support is not None:
+        return double_support.design(arguments, biped, specification, output)
     with Progress("designing:") as progress:
 
         def show(iteration: int, cost: float, violation: float) -> None:

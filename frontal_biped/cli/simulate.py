@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from frontal_biped.cli import double_support
 from frontal_biped.cli.arguments import (
     add_gait,
     add_json,
@@ -65,15 +66,19 @@ def run(arguments: argparse.Namespace) -> int:
 
     from frontal_biped.analysis.cross_check import cross_check
     from frontal_biped.analysis.walk_summary import walk_summary
-    from frontal_biped.cli.sources import load_any_walker
+    from frontal_biped.cli.sources import load_filed_walker
     from frontal_biped.exceptions import SimulationError
+    from frontal_biped.gait.support_gait import SupportGait
     from frontal_biped.simulation.disturbances import Disturbances
     from frontal_biped.simulation.trajectory import save_trajectory
     from frontal_biped.simulation.walking import sampled_settings, simulate
 
-    for path in _paths(arguments.output, _ENGINES_OF[arguments.engine]).values():
+    paths = _paths(arguments.output, _ENGINES_OF[arguments.engine])
+    for path in paths.values():
         require_output(path, arguments.gait, robot=arguments.robot)
-    biped, gait = load_any_walker(arguments.gait, arguments.robot)
+    biped, gait = load_filed_walker(arguments.gait, arguments.robot)
+    if isinstance(gait, SupportGait):
+        return double_support.simulate(arguments, biped, gait, paths)
     period = None if arguments.continuous else 1.0 / arguments.rate
     settings = sampled_settings(gait, period, outputs=arguments.controller)
     sensed = period is not None and arguments.stabiliser is None and settings.outputs == "linearising"

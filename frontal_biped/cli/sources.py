@@ -8,10 +8,10 @@ from typing import NamedTuple
 from frontal_biped.cli.progress import Progress
 from frontal_biped.exceptions import FrontalBipedError, GaitFileError
 from frontal_biped.files.kinds import RUN, SPACE_RUN, archive_format
-from frontal_biped.gait.file import any_gait_from_dict, gait_of_run, load_any_gait, load_gait
+from frontal_biped.gait.file import any_gait_from_dict, gait_of_run, load_gait
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.robot_path import description_file
-from frontal_biped.gait.sideways import AnyGait
+from frontal_biped.gait.support_file import FiledGait, load_filed_gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import load_robot
 from frontal_biped.model.space.free_robot import FreeRobot
@@ -125,13 +125,13 @@ def load_walker(path: Path, robot: str | None) -> tuple[FrontalBiped, Gait]:
     return robot_of(gait, robot, path), gait
 
 
-def load_any_walker(path: Path, robot: str | None) -> tuple[FrontalBiped, AnyGait]:
-    """The gait of a file, on the spot or sideways, and the robot that walks it."""
-    gait = load_any_gait(path)
+def load_filed_walker(path: Path, robot: str | None) -> tuple[FrontalBiped, FiledGait]:
+    """The gait of a file, of any kind, and the robot that walks it."""
+    gait = load_filed_gait(path)
     return robot_of(gait, robot, path), gait
 
 
-def robot_of(gait: AnyGait, robot: str | None, path: Path) -> FrontalBiped:
+def robot_of(gait: FiledGait, robot: str | None, path: Path) -> FrontalBiped:
     """The robot asked for, or the one the gait names; says so when it is not the one the gait was designed for.
 
     Args:
@@ -148,7 +148,7 @@ def robot_of(gait: AnyGait, robot: str | None, path: Path) -> FrontalBiped:
     return biped
 
 
-def _named_robot(gait: AnyGait, path: Path) -> FrontalBiped:
+def _named_robot(gait: FiledGait, path: Path) -> FrontalBiped:
     file = description_file(gait.robot.description)
     if not file.is_file():
         raise GaitFileError(

@@ -124,7 +124,7 @@ def optimise_gait(
     Raises:
         UnreachablePoseError: no double support pose exists at the start.
         SpecificationError: the FRI margin leaves no room in the robot's sole, ``attempts`` is below 1, or the
-            specification asks for travel.
+            specification asks for travel or a finite double support.
     """
     biped = biped_of(biped)
     if isinstance(specification, str | Path):
@@ -138,6 +138,11 @@ def optimise_gait(
     if spec.travel is not None:
         raise SpecificationError(
             f"travel = {spec.travel:g} m: a gait of equal steps does not travel; use `design_gait`, or leave travel out"
+        )
+    if spec.double_support is not None:
+        raise SpecificationError(
+            f"double_support = {list(spec.double_support)}: a gait with impacts has none that lasts; use"
+            " `design_support_gait`, or leave double_support out"
         )
     if attempts < 1:
         raise SpecificationError(f"attempts = {attempts} is below 1; a design needs a start")

@@ -14,11 +14,12 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.problem import COLUMN_REACH, Evaluation
 from frontal_biped.design.trust_region_sqp import SqpSettings, minimise
 from frontal_biped.exceptions import DesignFailedError, ReversalError, UnreachablePoseError
+from frontal_biped.files.provenance import software_versions
 from frontal_biped.gait.gait import RobotReference
 from frontal_biped.gait.robot_path import named_description
 from frontal_biped.gait.specification import default_specification
 from frontal_biped.gait.support_constraints import evaluate_support_step, margins
-from frontal_biped.gait.support_gait import SupportGait, SupportSpecification
+from frontal_biped.gait.support_gait import SupportGait, SupportNumbers, SupportSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import RobotLike, biped_of
 from frontal_biped.virtual_constraints.double_support import DoubleSupportFamily
@@ -195,7 +196,10 @@ def design_support_gait(
             step = evaluate_support_step(biped, gait, DENSE)
             least = float(margins(step.constraints).min())
             if least >= 0.0:
-                gait = replace(gait, speed=float(step.orbit.dbeta[-1]))
+                numbers = SupportNumbers(step.duration, step.hand_over.duration, step.cost)
+                speed = float(step.orbit.dbeta[-1])
+                made = {"versions": software_versions(), "iterations": iterations, "nodes": nodes, "margin": least}
+                gait = replace(gait, speed=speed, numbers=numbers, provenance=made)
                 return SupportDesign(gait, step.cost, step.duration, step.hand_over.duration, least, iterations)
     short, long = asked.double_support
     raise DesignFailedError(

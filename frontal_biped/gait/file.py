@@ -15,7 +15,9 @@
 
 Numbers are written so that reading gives back the same bits. An unknown or missing field, a wrong shape, a text that is
 not one line, a number that is not finite or out of its range (`gait.ranges`) is refused with file, field, value and
-remedy. Version 1, which is read as well, has the fields of its one step beside robot and specification, without a list.
+remedy. A gait with a finite double support holds a support_step in place of steps (`gait.support_file`).
+
+Version 1, which is read as well, has the fields of its one step beside robot and specification, without a list.
 """
 
 import json
@@ -66,8 +68,8 @@ def gait_to_dict(gait: AnyGait) -> dict[str, Any]:
         "robot": asdict(gait.robot),
         "steps": [
             {
-                "rising": _phase_to_dict(step.rising),
-                "falling": _phase_to_dict(step.falling),
+                "rising": phase_to_dict(step.rising),
+                "falling": phase_to_dict(step.falling),
                 "step_width": step.step_width,
                 "orbit": asdict(step.orbit),
             }
@@ -97,7 +99,7 @@ def load_any_gait(path: Path | str) -> AnyGait:
         GaitFileError: as `load_gait`, but for files of two steps.
     """
     path = gait_path(path)
-    gait = any_gait_from_dict(_load_json(path), str(path))
+    gait = any_gait_from_dict(load_gait_json(path), str(path))
     return _of_robot(gait, found_description(gait.robot.description, path.parent))
 
 
@@ -116,16 +118,13 @@ def any_gait_from_dict(table: Any, where: str) -> AnyGait:
     Raises:
         GaitFileError: as `load_any_gait`.
     """
-    if not isinstance(table, dict) or table.get("format") != GAIT:
+    version = version_of(table, where)
+    if SUPPORT_STEP in table and version != 1:
         raise GaitFileError(
-            f'{where}: not a gait file, "format" is not {GAIT!r}; write one with `frontal-biped design`'
+            f"{where}: holds a gait with a finite double support; simulate or analyze it, for this design one without"
+            " double_support"
         )
-    version = table.get("version")
-    if isinstance(version, bool) or version not in (1, VERSION):  # JSON's true equals 1 in Python
-        raise GaitFileError(
-            f'{where}: "version" is {quoted(version)}, this program reads 1 and {VERSION}; design it again'
-        )
-    reader = _Reader(where)
+    reader = FieldReader(where)
     around = ("format", "version", "robot"), ("specification", "provenance")
     if version == 1:
         reader.no_others("", table, (*around[0], *_STEP, *around[1]))
@@ -133,8 +132,7 @@ def any_gait_from_dict(table: Any, where: str) -> AnyGait:
     else:
         reader.no_others("", table, (*around[0], "steps", *around[1]))
         steps = reader.steps(table)
-    robot = reader.table(table, "robot", ("name", "description", "fingerprint"))
-    reference = RobotReference(*(reader.text(robot, "robot", key) for key in ("name", "description", "fingerprint")))
+    reference = reader.robot(table)
     specification, provenance = reader.specification(table), reader.provenance(table)
     if len(steps) == 1:
         return Gait(reference, *steps[0], specification, provenance)
@@ -145,6 +143,24 @@ def any_gait_from_dict(table: Any, where: str) -> AnyGait:
             " that lands wide comes first, exchange them"
         )
     return SidewaysGait(reference, a, b, provenance)
+
+
+def version_of(table: Any, where: str) -> int:
+    """Version of the content of a gait file.
+
+    Raises:
+        GaitFileError: it is none, or of a version that is not read.
+    """
+    if not isinstance(table, dict) or table.get("format") != GAIT:
+        raise GaitFileError(
+            f'{where}: not a gait file, "format" is not {GAIT!r}; write one with `frontal-biped design`'
+        )
+    version = table.get("version")
+    if isinstance(version, bool) or version not in (1, VERSION):  # JSON's true equals 1 in Python
+        raise GaitFileError(
+            f'{where}: "version" is {quoted(version)}, this program reads 1 and {VERSION}; design it again'
+        )
+    return int(version)
 
 
 def gait_of_run(content: Mapping[str, Any], where: str) -> Gait | None:
@@ -170,7 +186,8 @@ def _of_robot(gait: AnyGait, description: str) -> AnyGait:
     return replace(gait, robot=replace(gait.robot, description=description))
 
 
-def _phase_to_dict(phase: Phase) -> dict[str, Any]:
+def phase_to_dict(phase: Phase) -> dict[str, Any]:
+    """A phase as a gait file holds it."""
     return {
         "beta_start": phase.beta_start,
         "beta_end": phase.beta_end,
@@ -179,7 +196,12 @@ def _phase_to_dict(phase: Phase) -> dict[str, Any]:
     }
 
 
-def _load_json(path: Path) -> Any:
+def load_gait_json(path: Path) -> Any:
+    """What a gait file holds, not looked at.
+
+    Raises:
+        GaitFileError: the file is missing, of another kind, or not JSON.
+    """
     other = _other_kind(path)
     if other is not None and other != WORDS[GAIT]:
         raise GaitFileError(f"{path}: is {other}, not {WORDS[GAIT]}; write one with `frontal-biped design`")
@@ -198,19 +220,23 @@ def _other_kind(path: Path) -> str | None:
     return named_kind(path)
 
 
+SUPPORT_STEP = "support_step"
+"""Field of a gait with a finite double support, in place of the steps."""
+
 _STEP = ("rising", "falling", "step_width", "orbit")
 """Fields of a step."""
 
 _Step = tuple[Phase, Phase, float, OrbitNumbers]
 
 
-class _Reader:
+class FieldReader:
     """Checked access to the fields of a gait file; every complaint names file, field and value."""
 
     def __init__(self, where: str) -> None:
         self.where = where
 
     def no_others(self, section: str, table: dict[str, Any], known: tuple[str, ...]) -> None:
+        """Refuse fields that are not known."""
         for key in table:
             if key not in known:
                 place = f"{section}: " if section else ""
@@ -219,6 +245,7 @@ class _Reader:
                 )
 
     def table(self, parent: dict[str, Any], key: str, known: tuple[str, ...] | None, place: str = "") -> dict[str, Any]:
+        """A table within a table, its fields known; None: any."""
         name = f"{place}{key}"
         if not isinstance(parent.get(key), dict):
             raise GaitFileError(f"{self.where}: field {name!r} is missing or not an object; design the gait again")
@@ -227,7 +254,14 @@ class _Reader:
             self.no_others(name, table, known)
         return table
 
+    def robot(self, table: dict[str, Any]) -> RobotReference:
+        """Which robot."""
+        keys = ("name", "description", "fingerprint")
+        robot = self.table(table, "robot", keys)
+        return RobotReference(*(self.text(robot, "robot", key) for key in keys))
+
     def text(self, table: dict[str, Any], section: str, key: str) -> str:
+        """One line of text."""
         value = table.get(key)
         if not isinstance(value, str):
             raise GaitFileError(f"{self.where}: {section}.{key} = {quoted(value)} is not text")
@@ -239,6 +273,7 @@ class _Reader:
         return value
 
     def number(self, table: dict[str, Any], section: str, key: str) -> float:
+        """A finite number in its range."""
         name = f"{section}.{key}" if section else key
         value = as_finite(table.get(key))
         if value is None:
@@ -249,6 +284,7 @@ class _Reader:
         return value
 
     def steps(self, table: dict[str, Any]) -> list[_Step]:
+        """One step, or two."""
         found = table.get("steps")
         if not isinstance(found, list) or len(found) not in (1, 2):
             raise GaitFileError(
@@ -278,6 +314,7 @@ class _Reader:
         return rising, falling, self.number(table, place.removesuffix("."), "step_width"), numbers
 
     def phase(self, table: dict[str, Any], name: str, place: str) -> Phase:
+        """A phase of a step."""
         fields = self.table(table, name, ("beta_start", "beta_end", "joint_bezier", "fri_bezier"), place)
         name = f"{place}{name}"
         joints, fri = self.array(fields, name, "joint_bezier"), self.array(fields, name, "fri_bezier")
@@ -297,6 +334,7 @@ class _Reader:
         return Phase(self.number(fields, name, "beta_start"), self.number(fields, name, "beta_end"), joints, fri)
 
     def specification(self, table: dict[str, Any]) -> GaitSpecification:
+        """What it was designed for."""
         try:
             return GaitSpecification.from_dict(self.table(table, "specification", None), f"{self.where}: specification")
         except SpecificationError as error:
@@ -322,6 +360,7 @@ class _Reader:
         return found
 
     def array(self, table: dict[str, Any], section: str, key: str) -> FloatArray:
+        """Numbers, in one row or in rows of equal length."""
         name = f"{self.where}: {section}.{key}"
         value = table.get(key)
         rows = value if isinstance(value, list) else []
@@ -336,4 +375,4 @@ class _Reader:
         return np.array(rows, dtype=float)
 
 
-_POSITIVE = ("step_width", *OrbitNumbers.__dataclass_fields__)
+_POSITIVE = ("step_width", "double_support", "setting_off", *OrbitNumbers.__dataclass_fields__)

@@ -7,6 +7,7 @@ from frontal_biped.exceptions import DesignFailedError, GaitFileError
 from frontal_biped.gait.file import load_any_gait
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.sideways import AnyGait, SidewaysGait
+from frontal_biped.gait.support_gait import SupportGait
 
 
 class Designed(Protocol):
@@ -53,6 +54,11 @@ def any_gait_of(gait: GaitLike) -> AnyGait:
         return gait
     if isinstance(gait, str | Path):
         return load_any_gait(gait)
+    if isinstance(gait, SupportGait):
+        raise GaitFileError(
+            f"gait = {gait!r}: has a finite double support; `stand_walk_stand` walks it, `certify_support_gait`"
+            " analyses it; for this give one designed without double_support"
+        )
     if not hasattr(gait, "gait") or not isinstance(gait.gait, Gait | SidewaysGait | None):
         raise GaitFileError(
             f"gait = {type(gait).__name__}: no gait; give one, the result of a design, the name of a packaged gait or"

@@ -53,6 +53,7 @@ SPECIFICATION: Mapping[str, Range] = {
     "cop_margin_x": Range(0.0, 1.0, "m"),
     "yaw_friction": Range(1e-6, 1000.0, "(coefficient)"),
     "travel": Range(0.0, 10.0, "m"),
+    "double_support": Range(1e-3, 2.0, "s"),
 }
 """By the keys of a specification; those of a list hold for each of its numbers."""
 
@@ -69,6 +70,10 @@ GAIT: Mapping[str, Range] = {
     "step_duration": Range(1e-3, 1e3, "s"),
     "cost": Range(1e-12, 1e18, "N^2 m s"),
     "multiplier": Range(1e-12, 1e6, "[-]"),
+    # of gaits with a finite double support
+    "double_support": Range(1e-3, 1e3, "s"),
+    "setting_off": Range(1e-3, 1e3, "s"),
+    "pressure_margin": Range(0.0, 0.1, "m"),
 }
 """By the fields of a gait file."""
 

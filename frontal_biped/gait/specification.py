@@ -1,6 +1,6 @@
 """Gait specification: the constraints C01..C09 as data ([O] Sec. IV-A), and the specification file (TOML).
 
-Every key is optional. This file says what an empty one says, but for the nine keys of which leaving out means "free",
+Every key is optional. This file says what an empty one says, but for the ten keys of which leaving out means "free",
 or what stands in their comments:
 
     degree = 5                 # joint Bezier degree; or one for each of stance hip, swing hip, swing ankle
@@ -23,12 +23,14 @@ or what stands in their comments:
     cop_margin_x = 0.02        # m inside toe and heel, of a robot in space; leave out: free
     yaw_friction = 0.6         # coefficient for force and yaw moment together, in space; leave out: free
     travel = 0.1               # m sideways in two steps, wide and narrow in turn; leave out: on the spot
+    double_support = [0.1, 0.2] # s on both feet, landing at rest, not with travel; leave out: an instant, an impact
 
 The robot's joint position and velocity limits are kept as well. `default_specification` takes the keys that suit a
 robot from the ``[gait]`` table of its description. The three bounds from max_multiplier on ask for robustness;
 `design.studies` designs the series that show what each of them costs. cop_margin_x and yaw_friction bound the wrench
 that the ground must hold when the whole robot walks the gait in space (`gait.holding_wrench`); they need the length of
-the soles.
+the soles. double_support asks for another kind of gait (`gait.support_gait`), for which what bounds an impact means
+nothing.
 """
 
 from collections.abc import Mapping
@@ -77,6 +79,8 @@ class GaitSpecification:
             None: free.
         travel: way sideways in two steps [m], which then differ: the first lands as much wider than the second; None:
             on the spot, all steps alike.
+        double_support: shortest and longest time on both feet [s], of a gait that lands at rest and is entered from
+            standing (`gait.support_gait`); part of ``step_duration``; None: an instant, with an impact.
 
     Raises:
         SpecificationError: a value is out of range (see `gait.ranges` also); the message names key and value.
@@ -102,6 +106,7 @@ class GaitSpecification:
     cop_margin_x: float | None = None
     yaw_friction: float | None = None
     travel: float | None = None
+    double_support: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         degrees = self.degree if isinstance(self.degree, tuple | list) else (self.degree,)
@@ -160,6 +165,18 @@ class GaitSpecification:
                     f" step_width = {list(self.step_width)} leaves between a narrow and a wide step; change one of them"
                 )
             object.__setattr__(self, "travel", travel)
+        if self.double_support is not None:
+            low_high = _tuple("double_support", self.double_support, 2)
+            if not 0.0 < low_high[0] <= low_high[1]:
+                raise SpecificationError(
+                    f"double_support = {list(low_high)} is not a range; write [shortest, longest], both positive"
+                )
+            if self.travel is not None:
+                raise SpecificationError(
+                    f"double_support = {list(low_high)} and travel = {self.travel:g} do not go together: on both feet a"
+                    " gait stays on the spot; leave one of them out"
+                )
+            object.__setattr__(self, "double_support", low_high)
         for key, allowed in SPECIFICATION.items():
             value = getattr(self, key)
             for part in value if isinstance(value, tuple) else (value,):

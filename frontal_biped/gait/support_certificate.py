@@ -16,13 +16,14 @@ lift-off does not depend on the arrival: the slope is zero, for every arrival be
 hand-over soles and motors allow.
 """
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
 from frontal_biped.exceptions import ReversalError
-from frontal_biped.gait.support_constraints import evaluate_support_step, margins
+from frontal_biped.gait.support_constraints import SupportStep, evaluate_support_step, margins
 from frontal_biped.gait.support_gait import SupportGait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.impact import impact
@@ -43,6 +44,10 @@ DEGREE = 24
 """Of the Chebyshev polynomial of the pressure point over time."""
 
 
+STORED = 1e-9
+"""What stored numbers may be off from new ones, relative: another order of summation, no more."""
+
+
 @dataclass(frozen=True)
 class SupportCertificate:
     """What was found.
@@ -54,6 +59,7 @@ class SupportCertificate:
         arrivals: slowest and fastest dbeta at a landing that dead beat undoes, over the orbit's [-].
         room: least distance of ddbeta from what soles and motors allow on the orbit's hand-over (`SupportPlan.room`).
         standing_room: the same on the way from rest to the lift-off and from a landing to rest.
+        stored_orbit: largest relative difference of speed and numbers that the gait tells from new ones [-].
     """
 
     margin: float
@@ -62,12 +68,39 @@ class SupportCertificate:
     arrivals: tuple[float, float]
     room: float
     standing_room: float
+    stored_orbit: float = 0.0
 
     @property
     def holds(self) -> bool:
         """Bounds kept, everything admissible, and arrivals on both sides of the orbit's undone."""
         low, high = self.arrivals
-        return min(self.margin, self.room, self.standing_room) >= 0.0 and low < 1.0 < high
+        kept = min(self.margin, self.room, self.standing_room) >= 0.0
+        return kept and low < 1.0 < high and self.stored_orbit <= STORED
+
+    def __str__(self) -> str:
+        low, high = self.arrivals
+        return (
+            f"least margin of the bounds   {self.margin:.3g} (scaled)\n"
+            f"impulse of the landing       {self.impulse:.1e} of the momentum\n"
+            f"slope of the return map      0 with dead beat, {self.slope:.5f} without\n"
+            f"arrivals that are undone     {low:.3g} to {high:.3g} of the orbit's speed\n"
+            f"room of the hand-over        {self.room:.3g}\n"
+            f"room from and to standing    {self.standing_room:.3g}\n"
+            f"stored orbit is off by       {self.stored_orbit:.1e}"
+        )
+
+    @property
+    def line(self) -> str:
+        """The verdict in one line."""
+        low, high = self.arrivals
+        return (
+            f"{'certified' if self.holds else 'not certified'}; lands with {self.impulse:.0e} of the momentum, arrivals"
+            f" at {low:.3g} to {high:.3g} of the orbit's speed are undone in one double support"
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {"certified": self.holds, **asdict(self)}
 
 
 def certify_support_gait(biped: FrontalBiped, gait: SupportGait) -> SupportCertificate:
@@ -92,7 +125,16 @@ def certify_support_gait(biped: FrontalBiped, gait: SupportGait) -> SupportCerti
         (_farthest(gait, biped, over, SLOWEST), _farthest(gait, biped, over, FASTEST)),
         over.plan().room(limits),
         min(way.room(limits, 17) for way in ways),
+        _stored_orbit(gait, step),
     )
+
+
+def _stored_orbit(gait: SupportGait, step: SupportStep) -> float:
+    """Relative difference of what the gait tells of its orbit from the step just evaluated."""
+    pairs = [(gait.speed, float(step.orbit.dbeta[-1]))]
+    if gait.numbers is not None:
+        pairs += zip(gait.numbers, (step.duration, step.hand_over.duration, step.cost), strict=True)
+    return max(abs(told / new - 1.0) for told, new in pairs)
 
 
 def slope_without_dead_beat(plan: SupportPlan) -> float:

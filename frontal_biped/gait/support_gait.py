@@ -12,8 +12,10 @@ for the height of the centre of mass is the same on both sides of half-way. Such
 speed stays. It is the choice of ddbeta in double support (`zero_dynamics.support_plan`) that makes the multiplier zero.
 """
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any, NamedTuple
 
 from frontal_biped.exceptions import GaitFileError, SpecificationError
 from frontal_biped.gait.gait import RobotReference
@@ -25,6 +27,9 @@ from frontal_biped.zero_dynamics.orbit import PhaseOrbit, phase_orbit
 from frontal_biped.zero_dynamics.support_dynamics import SupportLimits
 from frontal_biped.zero_dynamics.support_plan import HandOver, SingleSupportEnd
 
+DOUBLE_SUPPORT = (0.1, 0.2)
+"""Shortest and longest double support where the bounds do not say [s]."""
+
 
 @dataclass(frozen=True)
 class SupportSpecification:
@@ -32,8 +37,8 @@ class SupportSpecification:
 
     Attributes:
         bounds: the bounds of single support, and of the duration of a step, double support included; what they ask of
-            an impact has no meaning here.
-        double_support: shortest and longest double support [s].
+            an impact has no meaning here. Where they do not say how long the double support lasts, it is
+            `DOUBLE_SUPPORT`.
         pressure_margin: how deep inside what the bounds' FRI margin leaves of both feet the pressure point stays on the
             way from standing [m].
 
@@ -42,17 +47,32 @@ class SupportSpecification:
     """
 
     bounds: GaitSpecification = field(default_factory=GaitSpecification)
-    double_support: tuple[float, float] = (0.1, 0.2)
     pressure_margin: float = 0.006
 
     def __post_init__(self) -> None:
-        low, high = self.double_support
-        if not 0.0 < low <= high < 2.0:
-            raise SpecificationError(
-                f"double_support = [{low:g}, {high:g}]: needs 0 < shortest <= longest < 2 s; write [0.1, 0.2]"
-            )
+        if self.bounds.double_support is None:
+            object.__setattr__(self, "bounds", replace(self.bounds, double_support=DOUBLE_SUPPORT))
         if not 0.0 <= self.pressure_margin < 0.1:
             raise SpecificationError(f"pressure_margin = {self.pressure_margin:g}: needs 0 <= m < 0.1; write 0.006")
+
+    @property
+    def double_support(self) -> tuple[float, float]:
+        """Shortest and longest double support [s]."""
+        return self.bounds.double_support or DOUBLE_SUPPORT
+
+
+class SupportNumbers(NamedTuple):
+    """Orbit of a gait, beside its speed.
+
+    Attributes:
+        step_duration: of a step, double support included [s].
+        double_support: of that [s].
+        cost: J of a step [N^2 m s].
+    """
+
+    step_duration: float
+    double_support: float
+    cost: float
 
 
 @dataclass(frozen=True)
@@ -68,6 +88,8 @@ class SupportGait:
         speed: dbeta at lift-off, and the opposite at the landing [rad/s].
         setting_off: duration of the motion from rest half-way to the lift-off for which it was designed [s].
         asked: the bounds.
+        numbers: of its orbit; None while it is being designed.
+        provenance: versions and figures of the design.
     """
 
     robot: RobotReference
@@ -76,6 +98,18 @@ class SupportGait:
     speed: float
     setting_off: float
     asked: SupportSpecification
+    numbers: SupportNumbers | None = None
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        numbers = self.numbers
+        orbit = (
+            ""
+            if numbers is None
+            else f", steps of {numbers.step_duration:.4f} s, {numbers.double_support:.4f} s of them on both feet,"
+            f" J = {numbers.cost:.4g} N^2 m s"
+        )
+        return f"SupportGait of {self.robot.name!r}: {self.width:.3f} m wide, dbeta = {self.speed:.4f} rad/s{orbit}"
 
     @cached_property
     def falling(self) -> Phase:

@@ -153,7 +153,7 @@ def test_ends_of_the_ranges_belong_to_them(tmp_path, key):
 @pytest.mark.parametrize("key", SPECIFICATION)
 def test_numbers_of_a_specification_beyond_their_ranges(key):
     allowed = SPECIFICATION[key]
-    size = {"step_duration": 2, "step_width": 2, "max_torque": 4}.get(key, 0)
+    size = {"step_duration": 2, "step_width": 2, "double_support": 2, "max_torque": 4}.get(key, 0)
     for value in (2.0 * allowed.high, 0.5 * allowed.low if allowed.low > 0.0 else -1e-9):
         with pytest.raises(SpecificationError, match=key) as caught:
             GaitSpecification(**{key: (value,) * size if size else value})

@@ -56,6 +56,11 @@ BAD = [
     ("step_width", (0.3, 0.2), "[0.3, 0.2]"),
     ("step_width", (0.0, 0.2), "[0.0, 0.2]"),
     ("step_width", "wide", "wide"),
+    ("double_support", (0.2, 0.1), "[0.2, 0.1]"),
+    ("double_support", (0.0, 0.1), "[0.0, 0.1]"),
+    ("double_support", 0.1, "0.1"),
+    ("double_support", (0.1, math.inf), "inf"),
+    ("double_support", (0.1, 3.0), "above 2 s"),
     ("max_pelvis_roll", 0.0, "0"),
     ("max_pelvis_roll", -0.1, "-0.1"),
     ("max_pelvis_roll", 5.0, "radians"),
@@ -103,6 +108,11 @@ def test_there_and_back_as_a_dictionary():
     assert table["max_torque"] == [1.0, 2.0, 3.0, 4.0]
     assert GaitSpecification.from_dict(table) == specification
     assert "max_pelvis_roll" not in GaitSpecification().as_dict()
+
+
+def test_double_support_and_travel_do_not_go_together():
+    with pytest.raises(SpecificationError, match=r"double_support = \[0.1, 0.2\] and travel = 0.1 .*leave one"):
+        GaitSpecification(double_support=(0.1, 0.2), travel=0.1)
 
 
 class TestFile:

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from support_gaits import designed
 
+from frontal_biped.design.walking_gait import design_gait
 from frontal_biped.exceptions import GaitFileError, SpecificationError
+from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.gait.support_certificate import certify_support_gait, slope_without_dead_beat
 from frontal_biped.gait.support_gait import SupportSpecification
 from frontal_biped.model import load_robot
@@ -128,8 +130,6 @@ def test_slope_without_dead_beat_by_the_map_itself(biped, gait):
 @pytest.mark.parametrize(
     ("change", "named"),
     [
-        ({"double_support": (0.2, 0.1)}, "double_support"),
-        ({"double_support": (0.0, 0.1)}, "double_support"),
         ({"pressure_margin": -0.01}, "pressure_margin"),
     ],
 )
@@ -137,6 +137,19 @@ def test_senseless_bounds(change, named):
     with pytest.raises(SpecificationError, match=named) as caught:
         SupportSpecification(**change)
     assert "\n" not in str(caught.value)
+
+
+def test_how_long_both_feet_stand_is_said_in_one_place():
+    assert SupportSpecification().bounds.double_support == SupportSpecification().double_support == (0.1, 0.2)
+    bounds = GaitSpecification(double_support=(0.15, 0.15))
+    assert SupportSpecification(bounds).double_support == (0.15, 0.15)
+    with pytest.raises(SpecificationError, match="leave one of them out"):
+        SupportSpecification(GaitSpecification(travel=0.1))
+
+
+def test_designed_by_its_own_function(biped):
+    with pytest.raises(SpecificationError, match="use `design_support_gait`"):
+        design_gait(biped, GaitSpecification(double_support=(0.1, 0.2)))
 
 
 def test_of_another_robot(gait):
