@@ -28,6 +28,8 @@ DEFAULT_BATCH = 20
 MAX_POINTS = 100_000  # days of designing
 _KEYS = ("robot", "batch", "specification", "sweep")
 _SPECIFICATION_KEYS = tuple(field.name for field in fields(GaitSpecification))
+_OTHER_GAITS = ("travel", "double_support")
+"""Keys of a specification that ask for gaits of another kind."""
 
 
 @dataclass(frozen=True)
@@ -163,6 +165,12 @@ def _table(where: str, table: dict[str, Any], section: str) -> dict[str, Any]:
     if not isinstance(part, dict):
         raise SpecificationError(f"{where}: {section} is not a table; write [{section}]")
     reject_unknown_keys(f"{where}: {section}", part, _SPECIFICATION_KEYS, SpecificationError)
+    for key in _OTHER_GAITS:
+        if key in part:
+            raise SpecificationError(
+                f"{where}: {section}.{key}: a library holds gaits of equal steps whose double support is an instant;"
+                " leave it out, and design such gaits one by one"
+            )
     return dict(part)
 
 

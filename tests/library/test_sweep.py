@@ -86,6 +86,8 @@ def test_no_axis_is_one_gait():
         ({"batch": 10**6}, "batch = 1000000"),
         ({"robot": ["g1", "romeo", "g1"]}, "'g1' stands twice"),
         ({"sweep": {"step_width": [[0.2, 0.3], [0.3, 0.3], [0.2, 0.3]]}}, "[0.2, 0.3] stands twice"),
+        ({"sweep": {"travel": [0.02, 0.04]}}, "sweep.travel: a library holds gaits of equal steps"),
+        ({"specification": {"double_support": [0.1, 0.2]}}, "design such gaits one by one"),
         ({"robot": ["a\0"]}, "neither a name nor a list of names"),
         ({"robot": "\x1b[2J"}, "neither a name nor a list of names"),
         ({"specification": {"friction": 1e308}}, "friction = 1e+308 is above"),
