@@ -112,8 +112,10 @@ def phase_portrait(trajectory: Trajectory, ax: "Axes | None" = None) -> "Figure"
     figure, ax = own_or_new(ax, "phase_portrait", 3.0)
     spans = phase_spans(trajectory)
     beta, dbeta = trajectory.q[:, 0], trajectory.dq[:, 0]
+    named: set[StepPhase] = set()  # a robot that stands turns to and fro within a step
     for span in spans:
-        label = span.phase.value if span.step == spans[0].step else None
+        label = None if span.phase in named else span.phase.value
+        named.add(span.phase)
         colour, style = _LOOKS[span.phase]
         ax.plot(beta[span.samples], dbeta[span.samples], color=colour, linestyle=style, label=label)
     jumps = [

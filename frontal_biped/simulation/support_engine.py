@@ -13,7 +13,7 @@ until the torques change, for those that are still held were meant for a foot in
 
 *On both feet* beta is the one freedom; torques decide its acceleration and the wrenches of both feet
 (`SupportPoint.under`). A foot that the ground would have to pull leaves it. One whose centre of pressure leaves the
-sole, or that slips where the settings say that it can, is a fall.
+sole, or that would slip under a coefficient of friction that the engine is given, is a fall.
 """
 
 from typing import NamedTuple
@@ -30,7 +30,7 @@ from frontal_biped.simulation.hybrid_system import FLAT_LANDING, LEAVING, LOWEST
 from frontal_biped.simulation.rigid import BEYOND_SOLE, MAX_STEP
 from frontal_biped.simulation.stance_motion import Reaction, StanceMotion
 from frontal_biped.virtual_constraints.double_support import DoubleSupportFamily
-from frontal_biped.zero_dynamics.restricted import F_V, N_0, TORQUES
+from frontal_biped.zero_dynamics.restricted import F_H, F_V, N_0, TORQUES
 from frontal_biped.zero_dynamics.support_dynamics import SupportPoint
 
 AT_ONCE = 0.02
@@ -72,6 +72,7 @@ class SupportEngine:
     Args:
         biped: the robot.
         period: control period [s].
+        friction: coefficient of the ground; None: no foot slips.
 
     Attributes:
         stance: the foot that the coordinates begin at.
@@ -83,8 +84,8 @@ class SupportEngine:
 
     name = "ours"
 
-    def __init__(self, biped: FrontalBiped, period: float = 1e-3) -> None:
-        self.biped, self.period = biped, period
+    def __init__(self, biped: FrontalBiped, period: float = 1e-3, friction: float | None = None) -> None:
+        self.biped, self.period, self.friction = biped, period, friction
         self._motion = {side: StanceMotion(biped, side) for side in Stance}
         self._lowest = LOWEST * float(biped.com(np.full(4, -0.5 * np.pi))[1])
         self.touchdowns: list[Touchdown] = []
@@ -175,6 +176,8 @@ class SupportEngine:
                 <= (high + BEYOND_SOLE * (high - low)) * F_v
             ):
                 return EventKind.ROLLED
+            if self.friction is not None and F_v > LOADED * weight and abs(float(wrench[F_H])) > self.friction * F_v:
+                return EventKind.SLIPPED
         if float(forces.swing[F_V]) < -HELD * weight:
             self._leave(t)
         elif float(forces.stance[F_V]) < -HELD * weight:

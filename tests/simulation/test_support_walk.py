@@ -9,6 +9,7 @@ from frontal_biped.exceptions import SimulationError
 from frontal_biped.model.catalogue import biped_of
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
+from frontal_biped.simulation.hybrid_system import EventKind
 from frontal_biped.simulation.support_engine import SupportEngine
 from frontal_biped.simulation.support_walk import stand_walk_stand, support_world, walk_from_lift_off
 from frontal_biped.zero_dynamics.restricted import TORQUES, restrict
@@ -131,6 +132,24 @@ class TestEngine:
         engine.advance(1e-3, 2e-3, biped.stance_map.torques_to_urdf(u, Stance.LEFT))
         assert not engine.double and engine.lift_offs == [1e-3]
         assert biped.swing_clearance(engine.state.q) > 0.0
+
+    @pytest.mark.parametrize("stance", list(Stance))
+    def test_a_foot_that_is_pressed_sideways_slips_where_it_can(self, biped, stance):
+        """Just below the coefficient that both feet use it is a fall, just above it is none."""
+        family = gait_of("frontal_biped").family(biped)
+        tau = biped.stance_map.torques_to_urdf(np.array([0.0, 5.0, -5.0, 0.0]), stance)
+
+        def engine(friction):
+            one = SupportEngine(biped, friction=friction)
+            one.stand(stance, family, family.half_way())
+            return one
+
+        held = engine(None)
+        assert held.advance(0.0, 1e-6, tau) is None
+        used = max(reaction.friction_used for reaction in held.reactions().values())
+        assert 0.0 < used < np.inf
+        assert engine(0.98 * used).advance(0.0, 1e-6, tau) is EventKind.SLIPPED
+        assert engine(1.02 * used).advance(0.0, 1e-6, tau) is None
 
     def test_unknown(self, biped):
         with pytest.raises(SimulationError, match="ours, mujoco"):
