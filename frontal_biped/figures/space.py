@@ -69,10 +69,10 @@ def footsteps_figure(robot: FreeRobot, run: SpatialRun) -> "Figure":
         run: its walk.
 
     Returns:
-        Y over x [m], at equal scales; of a long walk its first and its last steps in two panels.
+        Y over x [m], at equal scales; of a long walk its first and its last steps in two panels, of a path all of it.
     """
     steps, corners = footsteps(run), asked_corners(run)
-    parts = [steps] if len(steps) <= 2 * LONG_WAY + 1 else [steps[: LONG_WAY + 1], steps[-LONG_WAY - 1 :]]
+    parts = [steps] if len(corners) or len(steps) <= 2 * LONG_WAY + 1 else [steps[: LONG_WAY + 1], steps[-LONG_WAY - 1 :]]
     views = [_view(robot, part) for part in parts]
     width = 0.8 * COLUMN
     heights = [min(3.4, width * (high[1] - low[1]) / (high[0] - low[0])) for low, high in views]
@@ -95,7 +95,7 @@ def footsteps_figure(robot: FreeRobot, run: SpatialRun) -> "Figure":
     for foot, (colour, style) in FOOT_LOOKS.items():
         axes[0].plot([], [], color=colour, linestyle=style, linewidth=2.0, label=f"{foot.value} foot")
     axes[-1].set_xlabel("x, forward [m]")
-    legend_above(axes[0], 4 if len(corners) else 3, lift=0.16 if len(parts) > 1 else 0.0)
+    legend_above(axes[0], 2 if len(corners) else 3, lift=0.16 if len(parts) > 1 else 0.0)
     return figure
 
 
