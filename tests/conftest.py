@@ -36,7 +36,9 @@ Each claim, how it is held, what was measured, and the tests that hold it:
   against energy; least and greatest acceleration against programs of their own; no impulse at the landing.
   zero_dynamics/test_support_dynamics.py, zero_dynamics/test_support_plan.py, gait/test_support_gait.py
 * Stand, set off, walk, stop, stand, in both engines, three robots: first lift-off within 5 % of the orbit's speed, an
-  error of 10 % below 1 % after a step, at rest within two landings. simulation/test_support_walk.py
+  error of 10 % below 1 % after a step, at rest within two landings. Files of such gaits are strict, written again byte
+  for byte, and refuted where their numbers are not the orbit's. simulation/test_support_walk.py,
+  gait/test_support_file.py, cli/test_double_support_commands.py
 * In space along a path: words, poses, plans of steps, stands and both feet each by itself; talos_full along paths,
   where it ends in truth and by odometry. control/path/test_path_language.py, control/path/test_path_follower.py,
   control/spatial_walker/test_step_plan.py, control/spatial_walker/test_standing.py,

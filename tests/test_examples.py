@@ -19,10 +19,7 @@ EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 NUMBERED = sorted(EXAMPLES.glob("[0-9][0-9]_*.py"))
 CHECKED = [path for path in NUMBERED if path.name != "11_design_studies.py"]
 LESSONS = CHECKED[:10]
-IN_SPACE = "12_walk_in_space.py"
-"""What needs MuJoCo."""
-
-SIDEWAYS = "13_sideways.py"
+IN_SPACE, SIDEWAYS, STANDING = "12_walk_in_space.py", "13_sideways.py", "14_stand_walk_stand.py"
 
 RELATIVE = 0.02
 """Between processors: sampled control meets events a tick earlier or later. Everything but numbers agrees exactly."""
@@ -54,9 +51,9 @@ def assert_same(printed, expected):
             )
 
 
-def test_ten_lessons_and_two_walks_of_forty_to_a_hundred_lines():
+def test_ten_lessons_and_three_walks_of_forty_to_a_hundred_lines():
     assert [path.name[:2] for path in LESSONS] == [f"{number:02d}" for number in range(1, 11)]
-    assert [path.name for path in CHECKED[10:]] == [IN_SPACE, SIDEWAYS]
+    assert [path.name for path in CHECKED[10:]] == [IN_SPACE, SIDEWAYS, STANDING]
     for path in CHECKED:
         assert 40 <= len(path.read_text(encoding="utf-8").splitlines()) <= 100, path.name
 
@@ -64,7 +61,7 @@ def test_ten_lessons_and_two_walks_of_forty_to_a_hundred_lines():
 @pytest.mark.slow
 @pytest.mark.parametrize("path", CHECKED, ids=lambda path: path.stem)
 def test_prints_what_it_says(path, tmp_path):
-    if path.name == IN_SPACE:
+    if path.name in (IN_SPACE, STANDING):
         pytest.importorskip("mujoco")
     done = subprocess.run([sys.executable, str(path)], capture_output=True, text=True, check=False, cwd=tmp_path)
     assert done.returncode == 0, done.stderr

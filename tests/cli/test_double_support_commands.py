@@ -36,10 +36,10 @@ def test_simulate_view_and_plot_the_run(tmp_path, capsys):
         (["view", GAIT, "--html", "page.html"], "without double_support"),
         (["plot", GAIT, "-o", "figures"], "without double_support"),
         (["analyze", GAIT, "--robustness"], "leave it out"),
-        (["simulate", GAIT, "--stabiliser", "step"], "--stabiliser: has a finite double support"),
-        (["simulate", GAIT, "--continuous"], "--continuous: has a finite double support"),
-        (["simulate", GAIT, "--rate", "500"], "--rate: has a finite double support"),
-        (["simulate", GAIT, "--encoder-noise", "0.001"], "--encoder-noise: has a finite double support"),
+        (["simulate", GAIT, "--stabiliser", "step"], "--stabiliser: a gait with a finite double support"),
+        (["simulate", GAIT, "--continuous"], "--continuous: a gait with a finite double support"),
+        (["simulate", GAIT, "--rate", "500"], "--rate: a gait with a finite double support"),
+        (["simulate", GAIT, "--encoder-noise", "0.001"], "--encoder-noise: a gait with a finite double support"),
     ],
 )
 def test_refused_in_one_line(arguments, words, tmp_path, monkeypatch, capsys):
