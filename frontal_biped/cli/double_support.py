@@ -129,8 +129,8 @@ def _require_plain(arguments: argparse.Namespace) -> None:
     for name, value in plain.items():
         if getattr(arguments, name) != value:
             raise GaitFileError(
-                f"{arguments.gait}: --{name.replace('_', '-')}: a gait with a finite double support is walked by a walker"
-                " of its own, at 1000 Hz, undisturbed; leave it out"
+                f"{arguments.gait}: --{name.replace('_', '-')}: a gait with a finite double support is walked by its"
+                " own walker, at 1000 Hz, undisturbed; leave it out"
             )
 
 

@@ -72,7 +72,8 @@ def footsteps_figure(robot: FreeRobot, run: SpatialRun) -> "Figure":
         Y over x [m], at equal scales; of a long walk its first and its last steps in two panels, of a path all of it.
     """
     steps, corners = footsteps(run), asked_corners(run)
-    parts = [steps] if len(corners) or len(steps) <= 2 * LONG_WAY + 1 else [steps[: LONG_WAY + 1], steps[-LONG_WAY - 1 :]]
+    whole = len(corners) or len(steps) <= 2 * LONG_WAY + 1
+    parts = [steps] if whole else [steps[: LONG_WAY + 1], steps[-LONG_WAY - 1 :]]
     views = [_view(robot, part) for part in parts]
     width = 0.8 * COLUMN
     heights = [min(3.4, width * (high[1] - low[1]) / (high[0] - low[0])) for low, high in views]
