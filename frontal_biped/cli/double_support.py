@@ -9,6 +9,7 @@ from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
 from frontal_biped.cli.output import emit, report
 from frontal_biped.cli.progress import Progress
 from frontal_biped.exceptions import GaitFileError, SpecificationError
+from frontal_biped.files.counted import counted
 
 if TYPE_CHECKING:
     from frontal_biped.gait.specification import GaitSpecification
@@ -152,5 +153,5 @@ def _line(engine: str, told: dict[str, Any]) -> str:
     return (
         f"{engine}: stood, set off, walked, stopped and stood: {told['steps_completed']} steps in"
         f" {told['duration']:.2f} s; first lift-off {100.0 * told['first_speed_error']:+.2f} % off the orbit's speed,"
-        f" at rest {told['landings_to_rest']} landings after the command"
+        f" at rest {counted(told['landings_to_rest'], 'landing')} after the command"
     )
