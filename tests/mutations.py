@@ -389,7 +389,7 @@ def spoil_archive(content: bytes, rng: random.Random) -> Spoilt:
     rubbish = what in SURELY_RUBBISH and array.size > 1
     if what == "not a number":
         # what a run does not know may be, rates of joints too
-        rubbish = rubbish and name in ("t", "q", "v", "step", "phase", "stance", "event_t")
+        rubbish = rubbish and name in ("t", "q", "step", "phase", "stance", "event_t")
     return Spoilt(_archive(arrays), f"{name} {what}", rubbish)
 
 
