@@ -1,11 +1,11 @@
 """From variables to a gait: complete the invariance, close the orbit to rounding, integrate it until it converges."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.problem import DesignProblem
+from frontal_biped.design.problem import DesignProblem, Evaluation
 from frontal_biped.design.variables import STEP_WIDTH
 from frontal_biped.gait.gait import Gait, RobotReference, converged_nodes, orbit_numbers
 from frontal_biped.gait.robot_path import named_description
@@ -56,12 +56,25 @@ def close_step(problem: DesignProblem, x: FloatArray, newton: bool = True) -> Cl
     phases = problem.phases(x)
     nodes = converged_nodes(biped, *phases, float(x[STEP_WIDTH]))
     if newton:
-        x = _newton(problem.on_nodes(nodes), x)
+        x = meet_equalities(problem.on_nodes(nodes), x)
         phases = problem.phases(x)
     return ClosedStep(x, phases, step_orbit(biped, *phases, float(x[STEP_WIDTH]), nodes))
 
 
-def _newton(problem: DesignProblem, x: FloatArray) -> FloatArray:
+class BoundedProblem(Protocol):
+    """What Newton steps on the equalities of a design want of it."""
+
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Lower and upper bounds (P,)."""
+
+    def scale(self) -> FloatArray:
+        """(P,) changes of the variables that matter alike."""
+
+    def evaluate(self, x: FloatArray) -> Evaluation:
+        """Objective and constraints at x (P,)."""
+
+
+def meet_equalities(problem: BoundedProblem, x: FloatArray) -> FloatArray:
     """Newton steps of least length on the equalities."""
     low, high = problem.bounds()
     for _ in range(NEWTON_STEPS):

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.closing import CLOSED, NEWTON_STEPS
+from frontal_biped.design.closing import meet_equalities
 from frontal_biped.design.optimise import OPTIMISER_NODES, SAFETY, optimise_gait
 from frontal_biped.design.search import FINER, FINEST, NEARLY, ROUNDS, WORTH_FINER, WORTH_FINEST, Progress
 from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, minimise
@@ -370,24 +370,10 @@ def close_steps(problem: TwoStepProblem, x: FloatArray, newton: bool = True) -> 
     biped, phases = problem.biped, problem.phases(x)
     nodes = quadrature_of(biped, phases, problem.widths(x)).nodes
     if newton:
-        x = _newton(problem.on_nodes(nodes), x)
+        x = meet_equalities(problem.on_nodes(nodes), x)
         phases = problem.phases(x)
     of_steps = zip(phases, problem.widths(x), strict=True)
     return ClosedSteps(x, phases, TwoSteps(*(step_orbit(biped, *own, width, nodes) for own, width in of_steps)))
-
-
-def _newton(problem: TwoStepProblem, x: FloatArray) -> FloatArray:
-    """Newton steps of least length on the equalities; variables on or next to their bounds stay where they are."""
-    low, high = problem.bounds()
-    for _ in range(NEWTON_STEPS):
-        point = problem.evaluate(x)
-        if np.max(np.abs(point.equality)) < CLOSED:
-            break
-        room = np.minimum(x - low, high - x)
-        scale = np.where(room > 1e-6 * problem.scale(), problem.scale(), 0.0)
-        rows = point.equality_jacobian * scale
-        x = np.clip(x - scale * np.linalg.lstsq(rows, point.equality, rcond=None)[0], low, high)
-    return x
 
 
 def gait_at(problem: TwoStepProblem, closed: ClosedSteps) -> SidewaysGait:

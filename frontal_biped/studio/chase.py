@@ -8,11 +8,11 @@ import threading
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.space.steered import Picture
+from frontal_biped.studio.drawing import wxyz_of
 from frontal_biped.studio.space_drawing import SpaceDrawing, Turn
 
 WAY = "/way"
@@ -116,7 +116,7 @@ class Chase:
                 cast_shadow=False,
                 receive_shadow=False,
                 position=shape.pose[:3, 3],
-                wxyz=_wxyz(shape.pose[:3, :3]),
+                wxyz=wxyz_of(shape.pose),
             )
         for turn in drawing.turns:
             self._add_parents(f"{turn.node}/")
@@ -130,7 +130,7 @@ class Chase:
             if name not in self._nodes:
                 pose = self._drawing.placements.get(name, np.eye(4))
                 self._nodes[name] = self._server.scene.add_frame(
-                    f"/{name}", show_axes=False, position=pose[:3, 3], wxyz=_wxyz(pose[:3, :3])
+                    f"/{name}", show_axes=False, position=pose[:3, 3], wxyz=wxyz_of(pose)
                 )
 
     def _add_step(self, picture: Picture) -> None:
@@ -180,8 +180,3 @@ class Chase:
             with client.atomic():
                 client.camera.position = (back[0], back[1], ABOVE * height)
                 client.camera.look_at = (0.0, 0.0, LOOKS * height)
-
-
-def _wxyz(rotation: FloatArray) -> FloatArray:
-    x, y, z, w = pin.Quaternion(np.ascontiguousarray(rotation)).normalized().coeffs()
-    return np.array([w, x, y, z])

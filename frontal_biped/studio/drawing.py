@@ -327,3 +327,9 @@ def _along_y(y: float) -> FloatArray:
 def is_marker(node: str) -> bool:
     """Is a node drawn before the robot, so that it is seen?"""
     return node.split("/")[0] in (CONTACT, COM, PUSH)
+
+
+def wxyz_of(pose: FloatArray) -> FloatArray:
+    """(4,) unit quaternion, real part first, of a pose (4, 4)."""
+    x, y, z, w = pin.Quaternion(np.ascontiguousarray(pose[:3, :3])).normalized().coeffs()
+    return np.array([w, x, y, z])

@@ -6,10 +6,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.studio.drawing import FPS, PUSH, Clip, Drawing, Shape, Track, is_marker
+from frontal_biped.studio.drawing import FPS, PUSH, Clip, Drawing, Shape, Track, is_marker, wxyz_of
 
 FIELD_OF_VIEW = np.radians(36.0)
 BEFORE = 0.05
@@ -109,7 +108,7 @@ class Stage:
                     receive_shadow=not shape.marker,
                     position=position,
                     scale=scale,
-                    wxyz=_wxyz(shape.pose),
+                    wxyz=wxyz_of(shape.pose),
                 )
                 self._shapes[shape.node] = (shape, handle)
         camera = self._server.initial_camera
@@ -185,11 +184,6 @@ def _scale(shape: Shape, handle: Any, scale: FloatArray) -> None:
     """Stretch a shape along the axes of its parent; shapes are turned by right angles only."""
     handle.position = shape.pose[:3, 3] * scale
     handle.scale = tuple(float(s) for s in np.abs(shape.pose[:3, :3]).T @ scale)
-
-
-def _wxyz(pose: FloatArray) -> FloatArray:
-    x, y, z, w = pin.Quaternion(np.ascontiguousarray(pose[:3, :3])).normalized().coeffs()
-    return np.array([w, x, y, z])
 
 
 def _sky() -> "np.ndarray[Any, np.dtype[np.uint8]]":
