@@ -14,7 +14,9 @@ from frontal_biped.gait.two_step_constraints import NAMES
 from frontal_biped.gait.verdict import Objection
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.numerics.verdict import Verdict, together
-from frontal_biped.zero_dynamics.reversal.two_steps import PairAnalysis, PairCertificate, TwoStepReversal, certify_pair
+from frontal_biped.zero_dynamics.reversal.pair_certificate import PairCertificate, certify_pair
+from frontal_biped.zero_dynamics.reversal.pair_problem import TwoStepReversal
+from frontal_biped.zero_dynamics.reversal.pair_solver import PairAnalysis
 from frontal_biped.zero_dynamics.two_steps import AffineMap, TwoStepMap
 
 

@@ -17,7 +17,8 @@ from frontal_biped.gait.two_step_constraints import check_two_steps
 from frontal_biped.gait.verdict import Objection, constraints_missed, orbit_missed, residuals_missed
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.numerics.verdict import Verdict, together
-from frontal_biped.zero_dynamics.reversal.two_steps import PairAnalysis, TwoStepReversal, analyse_pair
+from frontal_biped.zero_dynamics.reversal.pair_problem import TwoStepReversal
+from frontal_biped.zero_dynamics.reversal.pair_solver import PairAnalysis, analyse_pair
 from frontal_biped.zero_dynamics.two_steps import TwoStepMap, TwoSteps
 
 

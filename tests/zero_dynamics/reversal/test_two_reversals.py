@@ -9,8 +9,10 @@ from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait.file import load_any_gait
 from frontal_biped.numerics.verdict import Verdict
 from frontal_biped.zero_dynamics.poincare import step_orbit
+from frontal_biped.zero_dynamics.reversal.pair_certificate import certify_pair
+from frontal_biped.zero_dynamics.reversal.pair_problem import TwoStepReversal
+from frontal_biped.zero_dynamics.reversal.pair_solver import analyse_pair, solve_pair
 from frontal_biped.zero_dynamics.reversal.problem import ReversalProblem
-from frontal_biped.zero_dynamics.reversal.two_steps import TwoStepReversal, analyse_pair, certify_pair, solve_pair
 
 DATA = Path(__file__).parents[2] / "data"
 

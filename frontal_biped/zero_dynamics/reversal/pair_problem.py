@@ -1,4 +1,4 @@
-r"""The two reversals of two different steps in turn: the problem, its elimination to one angle, and the certificate.
+r"""The two reversals of two different steps in turn: the equations, and their elimination to one angle.
 
 With R_i(beta) the energy that step i takes to rise to a reversal at beta, F_i(beta) what falling from it brings back,
 and g_i the jump of the energy at the impact that ends step i (all about the FRI at the ends), an orbit is a pair with
@@ -16,48 +16,35 @@ drives at its reversal (1 at a gait),
 
 .. math:: E_2' = g_B F_B' \, \frac{g_A F_A'}{R_B'} - R_A' = -R_A' \, \bigl(1 - (m_A r_A)(m_B r_B)\bigr).
 
-So condition (b) is about the product: (m_A r_A)(m_B r_B) < 1 on the whole interval makes E_2 strictly decreasing and
-the pair unique; at a gait E_2' < 0 iff m_A m_B < 1: a stable gait is always a simple zero. Condition (a), a negative
-drive, is asked of both rising phases. Two equal steps: E_2 and E of one step have the planned zero in common, and there
-E_2' = E' (1 + m).
+Two equal steps: E_2 and E of one step have the planned zero in common, and there E_2' = E' (1 + m).
 
 **With invariance imposed** either step's first columns depend on the slope in which the other one lands, and so on both
-reversals: S_1 = g_A F_A - R_B and S_2 = g_B F_B - R_A are functions of the pair. The pair is found by Newton's method;
-it is *regular*, and so the only one nearby, where the smaller singular value of the Jacobian, by central differences,
-is above their error, measured with twice the step. How many pairs there are elsewhere is left undecided: on the whole
-region R_B is not known to be monotone once the columns move with beta_B.
+reversals: S_1 = g_A F_A - R_B and S_2 = g_B F_B - R_A are functions of the pair.
 """
 
-from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
-from frontal_biped.files.json_values import for_json
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.impact import impact
-from frontal_biped.numerics.chebyshev import Zero
-from frontal_biped.numerics.verdict import Verdict, below
 from frontal_biped.virtual_constraints.invariance import FreeParameters, complete_in_turn, free_parameters
 from frontal_biped.virtual_constraints.phase import Phase, StepPhase
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit, phase_orbit
 from frontal_biped.zero_dynamics.poincare import step_orbit
 from frontal_biped.zero_dynamics.restricted import restrict
 from frontal_biped.zero_dynamics.reversal.bracket import beta_maximum
-from frontal_biped.zero_dynamics.reversal.certificate import Condition, stays_below, told_count
-from frontal_biped.zero_dynamics.reversal.planned import AT_THE_PLAN, find_reversal, zero_between
 from frontal_biped.zero_dynamics.reversal.problem import DIFFERENCE, UNDEFINED, EnergyBalance
-from frontal_biped.zero_dynamics.reversal.zeros import REGULAR, ZeroCount, count_zeros
 from frontal_biped.zero_dynamics.two_steps import TwoSteps
 
 Phases = tuple[Phase, Phase]
 
 CONVERGED = 1e-12
-"""[rad] change of the pair at which Newton's method stops, and of beta_B."""
+"""[rad] change of a reversal, or of a pair of them, at which Newton's method stops."""
 
 NEWTON_STEPS, HALVINGS = 40, 12
 
@@ -302,217 +289,3 @@ class TwoStepReversal:
             up[i], down[i] = up[i] + h, down[i] - h
             columns.append((self.surplus((up[0], up[1])) - self.surplus((down[0], down[1]))) / (2.0 * h))
         return np.array(columns).T
-
-
-@dataclass(frozen=True)
-class PairAnalysis:
-    """Where both steps reverse, at fixed parameters.
-
-    Attributes:
-        planned: of the phases [rad].
-        existence: is there a pair at which the robot turns back?
-        at_the_plan: do both lie within `AT_THE_PLAN` of the planned ones?
-        betas: the pair nearest to the planned one [rad]; nan where none was found.
-        sign_change: two values of beta_A between which E_2 changes sign [rad]; nan likewise.
-        accelerations: ddbeta there, negative at a reversal (HIP2) [rad/s^2].
-        com_offsets: p_cm_h - p_FRI there, positive at a reversal [m].
-    """
-
-    planned: tuple[float, float]
-    existence: Verdict
-    at_the_plan: Verdict
-    betas: tuple[float, float]
-    sign_change: tuple[float, float]
-    accelerations: tuple[float, float]
-    com_offsets: tuple[float, float]
-
-    @property
-    def is_reversal(self) -> bool:
-        """Do both turn back there?"""
-        exists = self.existence is Verdict.CERTIFIED
-        return exists and max(self.accelerations) < 0.0 and min(self.com_offsets) > 0.0
-
-
-def analyse_pair(problem: TwoStepReversal) -> PairAnalysis:
-    """Find the pair of reversals and check HIP1 and HIP2, by signs of E_2 beside the plan as `analyse_reversal`."""
-    nan = float("nan"), float("nan")
-    nothing = PairAnalysis(problem.planned_pair, Verdict.UNDECIDED, Verdict.UNDECIDED, nan, nan, nan, nan)
-    try:
-        fixed, (low, high) = problem.fixed, problem.brackets[0]
-        found = find_reversal(problem, fixed.balance, low, high)
-        if found.existence is not Verdict.CERTIFIED:
-            return replace(nothing, existence=found.existence, at_the_plan=found.at_the_plan)
-        beta = zero_between(problem, fixed.balance, found.sign_change)
-        betas = beta, fixed.second(beta, problem.nodes)
-        steps = [fixed.step(own, at, problem.nodes) for own, at in zip((fixed.a, fixed.b), betas, strict=True)]
-    except ReversalError:
-        return nothing
-    at_the_plan = found.at_the_plan
-    if at_the_plan is Verdict.CERTIFIED and abs(betas[1] - problem.b.beta_reversal) > AT_THE_PLAN:
-        at_the_plan = Verdict.REFUTED
-    a, b = (float(step.up.ddbeta[0]) for step in steps)
-    off_a, off_b = (-float(step.up.restricted.kappa_2[0]) / problem.biped.weight for step in steps)
-    return PairAnalysis(
-        problem.planned_pair, Verdict.CERTIFIED, at_the_plan, betas, found.sign_change, (a, b), (off_a, off_b)
-    )
-
-
-@dataclass(frozen=True)
-class SelfConsistentPair:
-    """The pair of reversals with invariance imposed.
-
-    Attributes:
-        betas: where Newton's method ended [rad].
-        converged: did it?
-        residual: largest of S_1, S_2 there, over the energy that rising takes [-].
-        regular: is the Jacobian regular there, so that no other pair is nearby?
-        least_singular_value: of the Jacobian [kg^2 m^4/(s^2 rad)].
-        error: on it, measured.
-    """
-
-    betas: tuple[float, float]
-    converged: bool
-    residual: float
-    regular: Verdict
-    least_singular_value: float
-    error: float
-
-
-def solve_pair(problem: TwoStepReversal, guess: tuple[float, float] | None = None) -> SelfConsistentPair:
-    """Newton's method on S_1 = S_2 = 0, invariance imposed at every pair.
-
-    Args:
-        problem: the parameters.
-        guess: start; default: the planned pair [rad].
-    """
-    pair = np.array(problem.planned_pair if guess is None else guess)
-    value = problem.surplus((pair[0], pair[1]))
-    converged = False
-    for _ in range(NEWTON_STEPS):
-        J = problem.jacobian((pair[0], pair[1]))
-        if not np.all(np.isfinite(J)) or not np.all(np.isfinite(value)) or np.linalg.matrix_rank(J) < 2:
-            break
-        step = np.clip(-np.linalg.solve(J, value), -0.5 * problem.length, 0.5 * problem.length)
-        for _ in range(30):
-            trial = problem.surplus((pair[0] + step[0], pair[1] + step[1]))
-            if np.all(np.isfinite(trial)) and np.max(np.abs(trial)) <= np.max(np.abs(value)):
-                break
-            step = 0.5 * step
-        else:  # no descent is left: rounding, or no zero
-            converged = bool(np.max(np.abs(step)) <= CONVERGED)
-            break
-        pair, value = pair + step, trial
-        if np.max(np.abs(step)) <= CONVERGED:
-            converged = True
-            break
-    betas = float(pair[0]), float(pair[1])
-    J, coarser = problem.jacobian(betas), problem.jacobian(betas, 2.0 * DIFFERENCE)
-    finite = bool(np.all(np.isfinite(J)) and np.all(np.isfinite(coarser)))
-    least = float(np.linalg.svd(J, compute_uv=False)[-1]) if finite else float("nan")
-    error = float(np.linalg.norm(J - coarser)) if finite else float("nan")
-    regular = below(-least, 0.0, error) if converged else Verdict.UNDECIDED
-    required = abs(problem.balance(problem.planned).required)
-    return SelfConsistentPair(betas, converged, float(np.max(np.abs(value))) / required, regular, least, error)
-
-
-@dataclass(frozen=True)
-class PairCertificate:
-    """What is known about the pair of reversals.
-
-    Attributes:
-        brackets: where either can lie [rad].
-        planned: of the gait [rad].
-        fixed: zeros of E_2 at fixed parameters.
-        conditions_a: kappa_2/kappa_1 < 0 on the rising phase of A and of B, relative to its size at the reversal.
-        condition_b: (m_A r_A)(m_B r_B) < 1.
-        self_consistent: the pair with invariance imposed.
-        multiplier: m_A m_B [-].
-    """
-
-    brackets: tuple[tuple[float, float], tuple[float, float]]
-    planned: tuple[float, float]
-    fixed: ZeroCount
-    conditions_a: tuple[Condition, Condition]
-    condition_b: Condition
-    self_consistent: SelfConsistentPair
-    multiplier: float
-
-    @property
-    def uniqueness(self) -> Verdict:
-        """At fixed parameters: at most one zero of E_2, and B's reversal a function of A's.
-
-        With invariance imposed it is undecided.
-        """
-        if self.fixed.uniqueness is Verdict.CERTIFIED and self.conditions_a[1].verdict is not Verdict.CERTIFIED:
-            return Verdict.UNDECIDED
-        return self.fixed.uniqueness
-
-    def as_dict(self) -> dict[str, Any]:
-        """For JSON; numbers that do not exist are null."""
-        table = asdict(self)
-        table["fixed"] |= {"existence": self.fixed.existence, "uniqueness": self.uniqueness}
-        table["self_consistent"]["unique"] = Verdict.UNDECIDED
-        return dict(for_json(table))
-
-    def rows(self) -> list[tuple[str, str]]:
-        """(name, text) for a report."""
-        own = self.self_consistent
-        return [
-            ("E_2(beta_A), b fixed", told_count(self.fixed)),
-            ("condition (a) of step A", str(self.conditions_a[0])),
-            ("condition (a) of step B", str(self.conditions_a[1])),
-            ("condition (b) of the pair", str(self.condition_b)),
-            (
-                "invariance imposed",
-                f"pair {own.betas[0]:.7f}, {own.betas[1]:.7f} rad, regular: {own.regular.value} (least singular value"
-                f" {own.least_singular_value:.4g} +- {own.error:.0e}); other pairs: undecided",
-            ),
-        ]
-
-
-def certify_pair(problem: TwoStepReversal, found: PairAnalysis | None = None) -> PairCertificate:
-    """Certify the pair of reversals of two parameter sets.
-
-    Args:
-        problem: the parameters.
-        found: the analysis of the same parameters, where it is at hand.
-
-    Raises:
-        ReversalError: a bracket does not exist, or no steps exist at the planned pair.
-    """
-    own = problem.balance(problem.planned)
-    if not np.isfinite(own.surplus):
-        raise ReversalError(f"no two steps of the zero dynamics reverse at the planned {problem.planned:.6g} rad")
-    (low, high), fixed = problem.brackets[0], problem.fixed
-    count, _, points = count_zeros(fixed.balance, low, high, problem, REGULAR * own.least_inertia, connected=True)
-    found = analyse_pair(problem) if found is None else found
-    if found.existence is Verdict.CERTIFIED:
-        slope = fixed.balance(found.betas[0], problem.nodes).slope
-        count = count.with_zero(Zero(found.betas[0], found.sign_change, slope))
-
-    def product(beta: float) -> float:
-        point = points.get(beta) or fixed.balance(beta, problem.nodes)
-        return point.multiplier * point.drive_ratio
-
-    region = list(count.region)
-    ends = [(low, region[-1][1])] if region else []
-    seconds = [(problem.brackets[1][0], fixed.second(end, problem.nodes)) for _, end in ends]
-    return PairCertificate(
-        problem.brackets,
-        problem.planned_pair,
-        count,
-        (stays_below(_drive(problem, fixed.a[0]), ends, 0.0), stays_below(_drive(problem, fixed.b[0]), seconds, 0.0)),
-        stays_below(product, region, 1.0),
-        solve_pair(problem),
-        own.multiplier,
-    )
-
-
-def _drive(problem: TwoStepReversal, rising: Phase) -> Callable[[float], float]:
-    """kappa_2/kappa_1 along a rising phase, relative to its size at the reversal."""
-
-    def drive(beta: float) -> float:
-        return float(restrict(problem.biped, rising, np.array([beta])).drive[0])
-
-    scale = abs(drive(rising.beta_end))
-    return lambda beta: drive(beta) / scale
