@@ -297,7 +297,8 @@ class SupportWalker:
         acceleration = wanted.ddx + 2.0 * omega * (wanted.dx - speed) + omega**2 * (wanted.x - beta)
         answer = self._support.solve(point, speed, acceleration)
         p = point.pressure_point(answer.acceleration, speed**2)
-        return self._command(answer.u, state, speed, point.at.q[1:], p, speed > 0.0)
+        outwards = wanted.dx > 0.0  # as planned: at rest the sign of the measured rate is noise
+        return self._command(answer.u, state, speed, point.at.q[1:], p, outwards)
 
     def _in_single_support(self, state: State) -> SupportCommand:
         rising = state.dbeta > 0.0

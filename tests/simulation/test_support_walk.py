@@ -12,6 +12,7 @@ from frontal_biped.model.state import State
 from frontal_biped.simulation.hybrid_system import EventKind
 from frontal_biped.simulation.support_engine import SupportEngine
 from frontal_biped.simulation.support_walk import stand_walk_stand, support_world, walk_from_lift_off
+from frontal_biped.viewer.page_data import event_marks
 from frontal_biped.zero_dynamics.restricted import TORQUES, restrict
 from frontal_biped.zero_dynamics.support_dynamics import SupportPoint
 
@@ -51,6 +52,8 @@ def test_from_standing_to_standing(name, engine):
     assert standing[0] and standing[-1]
     assert np.abs(run.trajectory.dq[-1]).max() < 0.01  # at rest
     assert run.loads[-1] == pytest.approx(np.full(2, 0.5 * biped.weight), rel=0.05)  # on both feet
+    # single supports reverse, one more than landings asked for, and so does coming to rest; standing does not
+    assert sum(mark["kind"] == "reversal" for mark in event_marks(run.trajectory)) == len(run.steps) + 1
 
 
 @pytest.mark.parametrize("error", [0.1, -0.1])
