@@ -28,6 +28,7 @@ from frontal_biped.version import __version__
 
 if TYPE_CHECKING:
     from frontal_biped.analysis.closed_form import GaitAnalysis, analyze
+    from frontal_biped.analysis.proof import ProofCertificate, prove, verify
     from frontal_biped.design.optimise import DesignResult
     from frontal_biped.design.walking_gait import design_gait
     from frontal_biped.gait.file import load_gait, save_gait
@@ -57,6 +58,7 @@ __all__ = [
     "Gait",
     "GaitAnalysis",
     "GaitSpecification",
+    "ProofCertificate",
     "Scenario",
     "SpatialRun",
     "Trajectory",
@@ -71,6 +73,7 @@ __all__ = [
     "load_specification",
     "load_spatial_run",
     "load_trajectory",
+    "prove",
     "read_specification",
     "robot_names",
     "run_scenario",
@@ -79,6 +82,7 @@ __all__ = [
     "save_spatial_run",
     "save_trajectory",
     "simulate",
+    "verify",
     "view",
     "walk_path",
     "walk_spatial",
@@ -91,6 +95,7 @@ _HOME = {
     "Gait": "gait",
     "GaitAnalysis": "analysis",
     "GaitSpecification": "gait",
+    "ProofCertificate": "analysis.proof",
     "Scenario": "scenarios",
     "SpatialRun": "simulation",
     "Trajectory": "simulation",
@@ -104,6 +109,7 @@ _HOME = {
     "load_specification": "gait",
     "load_spatial_run": "simulation",
     "load_trajectory": "simulation",
+    "prove": "analysis.proof",
     "read_specification": "gait",
     "robot_names": "model",
     "run_scenario": "scenarios",
@@ -112,6 +118,7 @@ _HOME = {
     "save_spatial_run": "simulation",
     "save_trajectory": "simulation",
     "simulate": "simulation",
+    "verify": "analysis.proof",
     "view": "viewer",
     "walk_path": "simulation",
     "walk_spatial": "simulation",

@@ -49,6 +49,10 @@ class ReversalError(FrontalBipedError):
     """The zero dynamics has no reversal point where one is needed."""
 
 
+class ProofError(FrontalBipedError):
+    """A certificate is none, was changed, or does not hold; or a proof cannot begin."""
+
+
 class SimulationError(FrontalBipedError):
     """Settings of a simulation that contradict each other."""
 

@@ -61,6 +61,7 @@ ONLY_IN = {
     "proxsuite": {"numerics.quadratic_program"},
     "distributed": {"library.executors"},
     "mujoco": {"simulation.mujoco"},
+    "flint": {"zero_dynamics.proof.balls"},
     "viser": {"studio"},
     "mcap_ros2": {"simulation.mcap_log"},
     "pytest": {"pytest_plugin"},

@@ -2,6 +2,7 @@
 
 import argparse
 import os
+from pathlib import Path
 
 from frontal_biped.cli import double_support
 from frontal_biped.cli.arguments import add_gait, add_json, add_robot, add_verbose, processes
@@ -28,9 +29,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=len(os.sched_getaffinity(0)),
         help="worker processes for the robustness card; default: the processors there are",
     )
+    parser.add_argument(
+        "--prove",
+        metavar="C.json",
+        type=Path,
+        nargs="?",
+        const=Path(),
+        help="prove in ball arithmetic how many reversals there are, that the gait is one and stable (extra proof), and"
+        " keep the certificate; default: beside the gait, its name with .proof.json",
+    )
     add_robot(parser)
     add_verbose(parser)
     add_json(parser)
+
+
+def certificate_path(gait: Path) -> Path:
+    """Where the certificate of a gait file is kept."""
+    return gait.with_name(gait.name.removesuffix(".json").removesuffix(".gait") + ".proof.json")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -41,10 +56,13 @@ def run(arguments: argparse.Namespace) -> int:
     from frontal_biped.cli.sources import load_filed_walker
     from frontal_biped.cli.workers import workers
     from frontal_biped.exceptions import GaitFileError
+    from frontal_biped.gait.gait import Gait
     from frontal_biped.gait.sideways import SidewaysGait
     from frontal_biped.gait.support_gait import SupportGait
 
     biped, gait = load_filed_walker(arguments.gait, arguments.robot)
+    if arguments.prove is not None and not isinstance(gait, Gait):
+        raise GaitFileError(f"{arguments.gait}: --prove is of gaits of equal steps with impacts; leave it out")
     if isinstance(gait, SupportGait):
         return double_support.analyze(arguments, biped, gait)
     if isinstance(gait, SidewaysGait):
@@ -62,5 +80,14 @@ def run(arguments: argparse.Namespace) -> int:
                 card = robustness_card(biped, gait, executor=executor, on_progress=progress.update)
             table["robustness"] = card.as_dict()
             text += f"\n\n{card}"
+        if arguments.prove is not None:
+            from frontal_biped.analysis.proof import prove
+
+            progress.update("proof in ball arithmetic")
+            certificate = prove(biped, gait)
+            kept = certificate_path(arguments.gait) if arguments.prove == Path() else arguments.prove
+            certificate.save(kept)
+            table["proof"] = certificate.as_dict(kept.parent)
+            text += f"\n\n{certificate}\n{'certificate of the proof':26} {kept}"
     emit(arguments, table, text)
     return SUCCESS if analysis.certified else TASK_FAILED

@@ -8,7 +8,21 @@ import sys
 from collections.abc import Mapping, Sequence
 from typing import Any, NoReturn, Protocol
 
-from frontal_biped.cli import analyze, demo, design, export, library, plot, robots, simulate, studio, trial, view, walk
+from frontal_biped.cli import (
+    analyze,
+    demo,
+    design,
+    export,
+    library,
+    plot,
+    robots,
+    simulate,
+    studio,
+    trial,
+    verify,
+    view,
+    walk,
+)
 from frontal_biped.cli.exit_status import TASK_FAILED, USAGE
 from frontal_biped.cli.interruption import interruptible
 from frontal_biped.cli.surroundings import FORESEEN, open_streams, quieten_libraries, silence, told, write_out
@@ -33,7 +47,7 @@ class Command(Protocol):
 
 
 COMMANDS: tuple[Command, ...] = (
-    demo, design, library, analyze, simulate, walk, trial, view, export, plot, studio, robots,
+    demo, design, library, analyze, verify, simulate, walk, trial, view, export, plot, studio, robots,
 )  # fmt: skip
 """In the order of the help."""
 

@@ -15,7 +15,10 @@ RUN = "frontal-biped-run"
 SPACE_RUN = "frontal-biped-space-run"
 """``format`` of the run file of a walk in space."""
 
-WORDS = {GAIT: "a gait", RUN: "a run in the plane", SPACE_RUN: "a run in space"}
+PROOF = "frontal-biped-proof"
+"""``format`` of a certificate in ball arithmetic."""
+
+WORDS = {GAIT: "a gait", RUN: "a run in the plane", SPACE_RUN: "a run in space", PROOF: "a certificate"}
 """What files of these formats are called."""
 
 _BY_ENDING = {".urdf": "a URDF", ".toml": "a TOML file", ".html": "a page", ".csv": "a table"}

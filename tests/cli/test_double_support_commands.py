@@ -36,6 +36,7 @@ def test_simulate_view_and_plot_the_run(tmp_path, capsys):
         (["view", GAIT, "--html", "page.html"], "without double_support"),
         (["plot", GAIT, "-o", "figures"], "without double_support"),
         (["analyze", GAIT, "--robustness"], "leave it out"),
+        (["analyze", GAIT, "--prove"], "leave it out"),
         (["simulate", GAIT, "--stabiliser", "step"], "--stabiliser: a gait with a finite double support"),
         (["simulate", GAIT, "--continuous"], "--continuous: a gait with a finite double support"),
         (["simulate", GAIT, "--rate", "500"], "--rate: a gait with a finite double support"),

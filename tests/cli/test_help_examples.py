@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from frontal_biped.analysis.proof import prove
 from frontal_biped.cli.main import COMMANDS, main
 from frontal_biped.gait import save_gait
 from frontal_biped.model import models_dir
@@ -22,7 +23,7 @@ QUICK = {"export", "robots"}
 SERVED = {"studio": "viser"}
 """Stay until they are ended; and the extra that they need."""
 
-NEEDED = {"walk": "mujoco", "plot": "matplotlib", "demo": "matplotlib"}
+NEEDED = {"walk": "mujoco", "plot": "matplotlib", "demo": "matplotlib", "verify": "flint"}
 
 NAMES = [command.__name__.rpartition(".")[2] for command in COMMANDS]
 EXAMPLES = dict(zip(NAMES, (command.EXAMPLE for command in COMMANDS), strict=True))
@@ -30,7 +31,7 @@ EXAMPLES = dict(zip(NAMES, (command.EXAMPLE for command in COMMANDS), strict=Tru
 
 @pytest.fixture
 def folder(gait, walk, tmp_path, monkeypatch):
-    """What the examples read: a gait, a run, a sweep, a URDF, scenarios."""
+    """What the examples read: a gait, a proof, a run, a sweep, a URDF, scenarios."""
     save_gait(gait, tmp_path / "gait.json")
     save_trajectory(walk, tmp_path / "run.npz")
     (tmp_path / "sweep.toml").write_text('robot = "frontal_biped"\n[sweep]\nmax_pelvis_roll = [0.1, 0.12]\n')
@@ -38,6 +39,12 @@ def folder(gait, walk, tmp_path, monkeypatch):
     shutil.copytree(SCENARIOS, tmp_path / "examples" / "scenarios")
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+@pytest.fixture
+def proof(folder):
+    """A certificate of the gait."""
+    prove("frontal_biped", folder / "gait.json").save(folder / "gait.proof.json")
 
 
 def printed(command, capsys):
@@ -54,9 +61,11 @@ def test_names_of_what_is_special_are_commands():
 @pytest.mark.parametrize(
     "command", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in EXAMPLES]
 )
-def test_runs_as_printed(command, folder, capsys):
+def test_runs_as_printed(command, folder, request, capsys):
     if command in NEEDED:
         pytest.importorskip(NEEDED[command])
+    if command == "verify":
+        request.getfixturevalue("proof")
     words = printed(command, capsys)
     if command in SERVED:
         pytest.importorskip(SERVED[command])

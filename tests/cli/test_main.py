@@ -18,7 +18,8 @@ from frontal_biped.gait.file import load_gait, save_gait
 from frontal_biped.model import models_dir
 
 COMMANDS = (
-    "demo", "design", "library", "analyze", "simulate", "walk", "trial", "view", "export", "plot", "studio", "robots",
+    "demo", "design", "library", "analyze", "verify", "simulate", "walk", "trial", "view", "export", "plot", "studio",
+    "robots",
 )  # fmt: skip
 
 

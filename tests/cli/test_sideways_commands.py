@@ -37,6 +37,7 @@ def test_simulate_view_and_plot_the_run(tmp_path, capsys):
         (["view", GAIT, "--html", "page.html"], "without travel"),
         (["plot", GAIT, "-o", "figures"], "without travel"),
         (["analyze", GAIT, "--robustness"], "leave it out"),
+        (["analyze", GAIT, "--prove"], "leave it out"),
         (["simulate", GAIT, "--stabiliser", "step"], "known: fixed, re-anchored"),
     ],
 )

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
+from frontal_biped.exceptions import ReversalError
 from frontal_biped.numerics.chebyshev import Fit, Zero, fit, zeros
 from frontal_biped.numerics.verdict import Verdict
 from frontal_biped.zero_dynamics.reversal.problem import (
@@ -117,14 +118,7 @@ def count_zeros(
         return points[beta]
 
     scale = ENERGY_SCALE * abs(problem.balance(problem.planned).required)
-    own_drive = abs(problem.balance(problem.planned).drive)
-
-    def margin(beta: float) -> float:
-        point = balance(beta)
-        turning_back = -point.drive / own_drive - TURNING_BACK
-        return min(point.least_inertia / floor - 1.0, turning_back) if point.least_inertia > 0.0 else -1.0
-
-    region = _regular_region(margin, low, high, problem)
+    region = _regular_region(_margin(balance, problem, floor), low, high, problem)
     if connected:
         region = [(a, b) for a, b in region if a <= problem.planned <= b]
     fits: list[Fit] = []
@@ -165,6 +159,35 @@ def count_zeros(
     error = max((piece.error for piece in fits), default=float("nan"))
     found.sort(key=lambda zero: zero.place)
     return ZeroCount(tuple(region), tuple(found), tuple(undecided), error, worst, len(points)), fits, points
+
+
+def regular_region(problem: ReversalProblem) -> tuple[float, float]:
+    """The interval around the planned reversal on which Z at fixed parameters is regular [rad].
+
+    Raises:
+        ReversalError: the bracket does not exist, or no step exists at the planned reversal.
+    """
+    own, fixed = problem.balance(problem.planned), problem.at_fixed_parameters()
+    if not np.isfinite(own.surplus):
+        raise ReversalError(f"no step of the zero dynamics reverses at the planned {problem.planned:.6g} rad")
+    margin = _margin(lambda beta: fixed(beta, problem.nodes), problem, REGULAR * own.least_inertia)
+    low, high = problem.bracket
+    region = _regular_region(margin, low, high, problem)
+    return next((a, b) for a, b in region if a <= problem.planned <= b)
+
+
+def _margin(
+    balance: Callable[[float], EnergyBalance], problem: BalancedProblem, floor: float
+) -> Callable[[float], float]:
+    """By beta [rad], positive on the regular region: I_P above its floor, and a drive that turns the robot back."""
+    own_drive = abs(problem.balance(problem.planned).drive)
+
+    def margin(beta: float) -> float:
+        point = balance(beta)
+        turning_back = -point.drive / own_drive - TURNING_BACK
+        return min(point.least_inertia / floor - 1.0, turning_back) if point.least_inertia > 0.0 else -1.0
+
+    return margin
 
 
 def _others(zeros_: list[Zero], known: list[Zero]) -> list[Zero]:

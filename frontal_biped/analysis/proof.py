@@ -1,0 +1,238 @@
+"""Proofs of a gait in ball arithmetic, on file with everything they rest on, to be checked without the search.
+
+What is proved, under which hypotheses, and how: `zero_dynamics.proof.theorems`. ::
+
+    certificate = prove("talos_full", "talos_full")
+    certificate.save("talos.proof.json")
+    verify("talos.proof.json")
+
+A certificate is a JSON file:
+
+==============  ====================================================================================================
+``format``      "frontal-biped-proof"
+``version``     1
+``software``    versions of everything, python-flint's among them
+``settings``    ``precision`` in bits, ``order`` of the Taylor polynomials
+``gait``        the gait, as its file has it; its robot by name, description and fingerprint
+``fixed``       zeros of Z at fixed parameters: ``region`` and ``zeros`` [rad], the partition ``pieces`` with the kind
+                of each, verdicts ``counted`` and ``unique``
+``reversal``    the zero of S near the plan: balls ``reversal`` [rad], ``slope``, ``multiplier``, verdicts ``proved``
+                and ``stable``
+``convergence`` of successive approximation: ``radius`` [rad], ball ``factor``, verdict ``proved``
+``sha256``      of all the rest
+==============  ====================================================================================================
+
+A ball is {"mid": "m*2^e", "rad": "m*2^e"}, exactly; one that is not known is null.
+"""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from frontal_biped.exceptions import ProofError
+from frontal_biped.files.atomic import write_json
+from frontal_biped.files.kinds import PROOF
+from frontal_biped.files.provenance import software_versions
+from frontal_biped.files.reading import load_json
+from frontal_biped.gait.file import gait_from_dict, gait_to_dict
+from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.given import GaitLike, gait_of
+from frontal_biped.gait.robot_path import description_file, with_found_description, with_stored_description
+from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.catalogue import RobotLike, biped_of
+from frontal_biped.virtual_constraints.invariance import free_parameters
+from frontal_biped.zero_dynamics.proof.balls import ORDER, PRECISION, Ball, as_text, from_text, working
+from frontal_biped.zero_dynamics.proof.chain import BallChain
+from frontal_biped.zero_dynamics.proof.signs import Kind, Piece
+from frontal_biped.zero_dynamics.proof.step import NotEnclosedError
+from frontal_biped.zero_dynamics.proof.theorems import GaitProof, prove_parameters
+from frontal_biped.zero_dynamics.reversal.problem import ReversalProblem
+from frontal_biped.zero_dynamics.reversal.zeros import regular_region
+
+VERSION = 1
+"""Of the file format."""
+
+REMEDY = "prove the gait again with `frontal-biped analyze GAIT --prove`"
+
+
+@dataclass(frozen=True)
+class ProofCertificate:
+    """What was proved of a gait, with the gait.
+
+    Attributes:
+        gait: the gait.
+        proof: the statements.
+    """
+
+    gait: Gait
+    proof: GaitProof
+
+    def __str__(self) -> str:
+        return "\n".join(f"{name:26} {text}" for name, text in self.proof.rows)
+
+    def as_dict(self, folder: Path | None = None) -> dict[str, Any]:
+        """Content of a certificate file in a folder; without one the robot is named as in memory."""
+        gait: Mapping[str, Any] = gait_to_dict(self.gait)
+        if folder is not None:
+            gait = with_stored_description(gait, folder)
+        fixed, zero, near = self.proof.fixed, self.proof.zero, self.proof.convergence
+        content: dict[str, Any] = {
+            "format": PROOF,
+            "version": VERSION,
+            "software": software_versions() | {"python-flint": version("python-flint")},
+            "settings": {"precision": PRECISION, "order": ORDER},
+            "gait": gait,
+            "fixed": {
+                "region": list(fixed.region),
+                "pieces": [[a, b, kind.value] for a, b, kind in fixed.found.pieces],
+                "zeros": [list(place) for place in fixed.found.zeros],
+                "counted": fixed.counted.value,
+                "unique": fixed.unique.value,
+            },
+            "reversal": {
+                "reversal": _ball(zero.reversal),
+                "slope": _ball(zero.slope),
+                "multiplier": _ball(zero.multiplier),
+                "proved": zero.proved.value,
+                "stable": zero.stable.value,
+            },
+            "convergence": {"radius": near.radius, "factor": _ball(near.factor), "proved": near.proved.value},
+        }
+        return content | {"sha256": _digest(content)}
+
+    def save(self, path: Path | str) -> None:
+        """Write the certificate file; whole or not at all."""
+        write_json(Path(path), self.as_dict(Path(path).parent))
+
+
+def prove(robot: RobotLike, gait: GaitLike) -> ProofCertificate:
+    """Prove of a gait what `theorems` states.
+
+    Args:
+        robot: the robot, in any of its views, or by name or path.
+        gait: the gait, a design's result, or by name or path.
+
+    Raises:
+        MissingExtraError: python-flint is not installed.
+        ProofError: its final pose, or the impact there, is not known to exist.
+        ReversalError: it has no bracket in which a reversal can lie.
+        RobotError: there is no such robot.
+        GaitFileError: there is no such gait.
+    """
+    biped, own = biped_of(robot), gait_of(gait)
+    problem = ReversalProblem.of_phases(biped, own.rising, own.falling, own.step_width, SEARCH_NODES)
+    return _proved(biped, own, regular_region(problem))
+
+
+SEARCH_NODES = 48
+"""Quadrature nodes a phase with which the region is sought; the proof is about the region that is found, exactly."""
+
+
+def _proved(
+    biped: FrontalBiped,
+    gait: Gait,
+    region: tuple[float, float],
+    pieces: tuple[Piece, ...] | None = None,
+    radius: float | None = None,
+) -> ProofCertificate:
+    free = free_parameters(gait.rising, gait.falling, gait.step_width)
+    try:
+        with working():
+            chain = BallChain.of(biped.chain)
+            if radius is None:
+                return ProofCertificate(gait, prove_parameters(chain, free, region))
+            radii = (radius,) if radius > 0.0 else ()
+            return ProofCertificate(gait, prove_parameters(chain, free, region, pieces, radii))
+    except NotEnclosedError as error:
+        raise ProofError(f"{gait.robot.name}: {error}: the balls are too wide to tell whether it exists") from None
+
+
+def verify(path: Path | str, robot: RobotLike | None = None, gait: GaitLike | None = None) -> ProofCertificate:
+    """Check a certificate again, from the file alone: the partition is taken from it, every ball is computed afresh.
+
+    Args:
+        path: of the certificate.
+        robot: the robot; default: the one that the gait in the certificate names.
+        gait: must be the very gait of the certificate; default: not asked.
+
+    Raises:
+        ProofError: the certificate is none, was changed, is of another robot or gait, or does not hold.
+        MissingExtraError: python-flint is not installed.
+        RobotError: there is no such robot.
+    """
+    path = Path(path)
+    stored = _read(path)
+    own = gait_from_dict(with_found_description(stored["gait"], path.parent), f"{path}: gait")
+    if gait is not None and _steps(gait_to_dict(gait_of(gait))) != _steps(stored["gait"]):
+        raise ProofError(f"{path}: is about another gait; {REMEDY}")
+    biped = biped_of(description_file(own.robot.description) if robot is None else robot)
+    if biped.fingerprint != own.robot.fingerprint:
+        raise ProofError(
+            f"{path}: is about {own.robot.name} with another URDF or description than {biped.path.name}; {REMEDY}"
+        )
+    try:
+        fixed = stored["fixed"]
+        pieces = tuple(Piece(float(a), float(b), Kind(kind)) for a, b, kind in fixed["pieces"])
+        region = float(fixed["region"][0]), float(fixed["region"][1])
+        _require_cover(path, pieces, region)
+        again = _proved(biped, own, region, pieces, float(stored["convergence"]["radius"]))
+        _compare(path, stored, again.as_dict())
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+        raise ProofError(f"{path}: not what a certificate holds ({error}); {REMEDY}") from None
+    return again
+
+
+def _require_cover(path: Path, pieces: tuple[Piece, ...], region: tuple[float, float]) -> None:
+    ends = [region[0], *(piece.high for piece in pieces)]
+    if [piece.low for piece in pieces] != ends[:-1] or ends[-1] != region[1]:
+        raise ProofError(f"{path}: fixed.pieces do not cover the region; {REMEDY}")
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        stored = load_json(path, ProofError, REMEDY)
+    except FileNotFoundError:
+        raise ProofError(f"{path}: no such certificate; {REMEDY}") from None
+    if not isinstance(stored, dict) or stored.get("format") != PROOF:
+        raise ProofError(f'{path}: not a certificate, "format" is not {PROOF!r}; {REMEDY}')
+    if stored.get("version") != VERSION:
+        raise ProofError(f'{path}: "version" is not {VERSION}; {REMEDY}')
+    content = {key: value for key, value in stored.items() if key != "sha256"}
+    if stored.get("sha256") != _digest(content):
+        raise ProofError(f"{path}: was changed since it was written (sha256); {REMEDY}")
+    if content.get("settings") != {"precision": PRECISION, "order": ORDER}:
+        raise ProofError(f"{path}: was proved with other settings than this program's; {REMEDY}")
+    return stored
+
+
+def _compare(path: Path, stored: dict[str, Any], again: dict[str, Any]) -> None:
+    """Statements must be the same, balls must have a number in common."""
+    for group in ("fixed", "reversal", "convergence"):
+        for name, new in again[group].items():
+            value = stored[group][name]
+            if isinstance(value, dict) and isinstance(new, dict):
+                same = bool(from_text(value).overlaps(from_text(new)))
+            else:
+                same = value == new
+            if not same:
+                raise ProofError(f"{path}: {group}.{name} does not hold: computed again it is {_short(new)}")
+
+
+def _short(value: Any) -> str:
+    return str(from_text(value)) if isinstance(value, dict) else str(value)[:80]
+
+
+def _steps(table: dict[str, Any]) -> Any:
+    return table.get("steps")
+
+
+def _ball(ball: Ball) -> dict[str, str] | None:
+    return as_text(ball) if ball.is_finite() else None
+
+
+def _digest(content: dict[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True, allow_nan=False).encode()).hexdigest()

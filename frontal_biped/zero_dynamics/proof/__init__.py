@@ -1,0 +1,1 @@
+"""Proofs in ball arithmetic of what the closed form measures: extra ``proof``."""

@@ -1,0 +1,36 @@
+"""`analyze --prove` and `verify`: from a gait file to a certificate, and back."""
+
+import json
+
+import pytest
+
+from frontal_biped.cli.main import main
+from frontal_biped.gait.file import save_gait
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, reference_gait):
+    path = tmp_path_factory.mktemp("proved")
+    save_gait(reference_gait, path / "own.gait.json")
+    return path
+
+
+def test_prove_and_verify(folder, capsys):
+    assert main(["analyze", str(folder / "own.gait.json"), "--prove"]) == 0
+    said = capsys.readouterr().out
+    assert "number proved: 2" in said and str(folder / "own.proof.json") in said
+    assert main(["verify", str(folder / "own.proof.json"), "--gait", str(folder / "own.gait.json"), "--json"]) == 0
+    table = json.loads(capsys.readouterr().out)
+    assert table == json.loads((folder / "own.proof.json").read_text(encoding="utf-8"))
+
+
+def test_verify_refuses_in_one_line(folder, capsys):
+    assert main(["verify", str(folder / "own.gait.json")]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "not a certificate" in said
+
+
+def test_other_commands_say_what_a_certificate_is(tmp_path, capsys):
+    (tmp_path / "c.json").write_text('{"format": "frontal-biped-proof"}')
+    assert main(["analyze", str(tmp_path / "c.json")]) == 2
+    assert "is a certificate, not a gait" in capsys.readouterr().err
