@@ -39,7 +39,7 @@ from frontal_biped.files.kinds import PROOF
 from frontal_biped.files.provenance import software_versions
 from frontal_biped.files.reading import load_json
 from frontal_biped.gait.file import gait_from_dict, gait_to_dict
-from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.gait import Gait, converged_nodes
 from frontal_biped.gait.given import GaitLike, gait_of
 from frontal_biped.gait.robot_path import description_file, with_found_description, with_stored_description
 from frontal_biped.model.biped import FrontalBiped
@@ -124,12 +124,10 @@ def prove(robot: RobotLike, gait: GaitLike) -> ProofCertificate:
         GaitFileError: there is no such gait.
     """
     biped, own = biped_of(robot), gait_of(gait)
-    problem = ReversalProblem.of_phases(biped, own.rising, own.falling, own.step_width, SEARCH_NODES)
+    phases = own.rising, own.falling, own.step_width
+    # the region of the measured certificate: found by quadrature, then taken as exact
+    problem = ReversalProblem.of_phases(biped, *phases, converged_nodes(biped, *phases))
     return _proved(biped, own, regular_region(problem))
-
-
-SEARCH_NODES = 48
-"""Quadrature nodes a phase with which the region is sought; the proof is about the region that is found, exactly."""
 
 
 def _proved(

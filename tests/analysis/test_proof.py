@@ -9,6 +9,7 @@ import pytest
 from frontal_biped.analysis.proof import prove, verify
 from frontal_biped.exceptions import GaitFileError, ProofError
 from frontal_biped.gait.file import load_gait, save_gait
+from frontal_biped.gait.gait import converged_nodes
 from frontal_biped.gait.shipped import gait_path
 from frontal_biped.model.catalogue import biped_of
 from frontal_biped.zero_dynamics.proof.balls import arb
@@ -33,7 +34,8 @@ def stored(proof, tmp_path):
 
 def agrees(biped, gait, certificate):
     """No contradiction between what is proved and what is measured."""
-    problem = ReversalProblem.of_phases(biped, gait.rising, gait.falling, gait.step_width, 64)
+    phases = gait.rising, gait.falling, gait.step_width
+    problem = ReversalProblem.of_phases(biped, *phases, converged_nodes(biped, *phases))
     measured, proved = certify_reversal(problem), certificate.proof
     assert proved.fixed.region == pytest.approx(measured.fixed.region[0], abs=1e-9)
     assert proved.fixed.counted is Proof.PROVED
