@@ -75,6 +75,7 @@ class TorqueProgram:
     def __init__(self, biped: FrontalBiped, settings: ControllerSettings) -> None:
         price = settings.relaxation_price if settings.outputs == "clf" else None
         self.qp = WalkingQp(biped, WalkingLimits.of(biped, settings), price)
+        self._least_torque = -self.qp.limits.contact.max_torque
         self._stance = StanceModel(biped)
         self._exact = settings.solver == "exact"
         self._nearest = NearestMotion(self.qp)
@@ -114,8 +115,7 @@ class TorqueProgram:
 
     def _clipped(self, u: FloatArray) -> FloatArray:
         """The torques within the motors' limits to the last digit, whatever the tolerance they were found to."""
-        most = self.qp.limits.contact.max_torque
-        return np.minimum(np.maximum(u, -most), most)
+        return np.minimum(np.maximum(u, self._least_torque), self.qp.limits.contact.max_torque)
 
     def _by_proxqp(self, dynamics: StanceDynamics, targets: Targets) -> Answer | None:
         """ProxQP's answer, of the relaxed program where it finds none; None where it finds neither."""
