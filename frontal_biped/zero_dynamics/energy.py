@@ -41,6 +41,7 @@ class Panel:
         restricted: the scalar dynamics there.
         growth: Gamma over [start, end].
         spent: R over [start, end] [kg^2 m^4/s^2].
+        spent_at: (n,) R at the Chebyshev points, in the order of the motion [kg^2 m^4/s^2].
     """
 
     start: float
@@ -49,11 +50,16 @@ class Panel:
     restricted: RestrictedDynamics
     growth: Series
     spent: Series
+    spent_at: FloatArray
+
+    @cached_property
+    def gained(self) -> FloatArray:
+        """(n,) exp(Gamma) at the Chebyshev points [-]."""
+        return np.exp(self.growth.at_places(self.end - self.start))
 
     def left(self, zeta: float) -> FloatArray:
         """(n,) what is left of zeta at the start of the phase [kg^2 m^4/s^2]; negative past a reversal."""
-        beta = self.motion.q[:, 0]
-        return np.exp(self.growth(beta)) * (zeta - self.spent(beta))
+        return self.gained * (zeta - self.spent_at)
 
     def forces(self, left: FloatArray) -> FloatArray:
         """(7, n) rows F_h, F_v [N], N_0, u_1..u_4 [N m] where zeta is ``left`` (n,) [kg^2 m^4/s^2]."""
@@ -89,14 +95,14 @@ class PhaseEnergy:
     @cached_property
     def highest(self) -> float:
         """Largest R, the energy barrier as far as it was followed [kg^2 m^4/s^2]."""
-        return max(float(panel.spent(panel.end)) for panel in self.panels)
+        return max(panel.spent_at.item(-1) for panel in self.panels)
 
     def at(self, beta: float) -> tuple[float, float]:
         """Gamma and R at beta."""
         for panel in self.panels:
             low, high = sorted((panel.start, panel.end))
             if low <= beta <= high:
-                return float(panel.growth(beta)), float(panel.spent(beta))
+                return panel.growth.at(beta), panel.spent.at(beta)
         raise ReversalError(f"beta = {beta:.6g} rad is outside the phase")
 
     def shifted(self, shift: float) -> "PhaseEnergy":
@@ -116,7 +122,7 @@ class PhaseEnergy:
             if new is None:
                 raise ReversalError("I_P all but vanishes there")
             panels.append(new)
-            gamma, energy = float(new.growth(panel.end)), float(new.spent(panel.end))
+            gamma, energy = new.growth.at(panel.end), new.spent_at.item(-1)
         return PhaseEnergy(tuple(panels), self.complete, self.reaches_barrier, self.why)
 
     def reversal(self, dbeta: float) -> float:
@@ -129,10 +135,10 @@ class PhaseEnergy:
             raise ReversalError("the robot does not rise after the impact")
         zeta = 0.5 * (self.start_inertia * dbeta) ** 2
         for panel in self.panels:
-            if float(panel.spent(panel.end)) >= zeta:
+            if panel.spent_at.item(-1) >= zeta:
 
                 def left(x: float, panel: Panel = panel) -> float:
-                    return float(panel.spent(x)) - zeta
+                    return panel.spent.at(x) - zeta
 
                 if left(panel.start) >= 0.0:
                     return panel.start
@@ -192,7 +198,7 @@ def phase_energy(
         if panel is None:  # I_P is so small that the exponential overflows
             return _finish(panels, why)
         panels.append(panel)
-        gamma, energy = float(panel.growth(reached)), float(panel.spent(reached))
+        gamma, energy = panel.growth.at(reached), panel.spent_at.item(-1)
         if reached != b:
             return _finish(panels, why)
         if energy >= 0.5 * (panels[0].restricted.I_P[0] * dbeta) ** 2:
@@ -209,11 +215,11 @@ def _panel(
         if not np.all(np.isfinite(rate)) or np.max(np.abs(rate)) * abs(end - start) > LARGEST_EXPONENT:
             return None
         growth = integral(rate, start, end) + gamma
-        weighted = np.exp(-growth(motion.q[:, 0])) * restricted.drive
+        weighted = np.exp(-growth.at_places(end - start)) * restricted.drive
         if not np.all(np.isfinite(weighted)):
             return None
         spent = -integral(weighted, start, end) + energy
-    return Panel(start, end, motion, restricted, growth, spent)
+    return Panel(start, end, motion, restricted, growth, spent, spent.at_places(end - start))
 
 
 def _finish(panels: list[Panel], why: str) -> PhaseEnergy:

@@ -28,6 +28,7 @@ from frontal_biped.virtual_constraints.phase import Phase
 from frontal_biped.virtual_constraints.piecewise import ContinuedPhase
 from frontal_biped.zero_dynamics.energy import PhaseEnergy
 from frontal_biped.zero_dynamics.half_steps import ConstrainedState, rising_energy, stretch_to_reversal
+from frontal_biped.zero_dynamics.restricted import restrict
 
 SLOWEST = 0.02
 """Share of the planned post-impact speed below which dq_b/dbeta is taken from the plan: it divides by the speed."""
@@ -228,7 +229,4 @@ class ReanchoringTransitions:
     def _least_inertia(self, phase: VirtualConstraints, start: float) -> float:
         """Smallest I_P of a falling phase [kg m^2]."""
         beta = start + (phase.beta_end - start) * np.linspace(0.0, 1.0, 25)
-        motion = phase.motion(beta)
-        momentum = [self.biped.momentum_map(q)[1:3] @ dq for q, dq in zip(motion.q, motion.dq, strict=True)]
-        vertical, moment = np.array(momentum).T
-        return float(np.min(moment - motion.p_fri * vertical))
+        return float(np.min(restrict(self.biped, phase, beta).I_P))
