@@ -8,7 +8,7 @@ R depends on the path alone. It is integrated from Chebyshev interpolants on pan
 constraints change form. A rising robot reverses where R reaches zeta+.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -22,7 +22,7 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.numerics.chebyshev_series import PLACES, Series, integral
 from frontal_biped.virtual_constraints.contract import VirtualConstraints
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion
-from frontal_biped.zero_dynamics.restricted import RestrictedDynamics, on_constraints, restrict
+from frontal_biped.zero_dynamics.restricted import ProjectedDynamics, RestrictedDynamics, on_constraints, restrict
 
 LARGEST_EXPONENT = 200.0
 """Bound on the change of Gamma over a panel; a gait's is below 1."""
@@ -180,8 +180,9 @@ def phase_energy(
     edges = [start, *inner, end]
     panels: list[Panel] = []
     gamma = energy = 0.0
-    for a, b in pairwise(edges):
-        motion, restricted = _sample(biped, phase, a, b)
+    # where nothing stops it the phase goes through all panels, one that rises through those up to its planned end
+    together = sum(sense * edge < sense * phase.beta_end for edge in edges[:-1]) if to_barrier else len(edges) - 1
+    for (a, b), (motion, restricted) in zip(pairwise(edges), _samples(biped, phase, edges, together), strict=False):
         bad = restricted.I_P <= 0.0
         over = restricted.drive >= 0.0 if to_barrier else np.zeros_like(bad)
         why = "I_P vanishes there" if np.any(bad) else BARRIER
@@ -228,14 +229,38 @@ def _finish(panels: list[Panel], why: str) -> PhaseEnergy:
     return PhaseEnergy(tuple(panels), False, why == BARRIER, why)
 
 
+def _samples(
+    biped: FrontalBiped, phase: VirtualConstraints, edges: Sequence[float], together: int
+) -> Iterator[tuple[ConstrainedMotion, RestrictedDynamics]]:
+    """Panel after panel between edges, the first of them evaluated together."""
+    if together > 1:
+        beta = np.concatenate([_places(a, b) for a, b in pairwise(edges[: together + 1])])
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            motion, restricted = on_constraints(biped, phase, beta)
+        for begin in range(0, len(beta), len(PLACES)):
+            part = slice(begin, begin + len(PLACES))
+            own = ProjectedDynamics(*(rows[:, part] for rows in restricted.projected))
+            yield (
+                ConstrainedMotion(*(values[part] for values in motion)),
+                RestrictedDynamics(own, restricted.p_fri[part], restricted.dp_fri[part]),
+            )
+        edges = edges[together:]
+    for a, b in pairwise(edges):
+        yield _sample(biped, phase, a, b)
+
+
 def _sample(
     biped: FrontalBiped, phase: VirtualConstraints, a: float, b: float
 ) -> tuple[ConstrainedMotion, RestrictedDynamics]:
-    beta = 0.5 * (a + b) + 0.5 * (b - a) * PLACES
-    # a hair inside, so that a break belongs to the panel
-    beta[[0, -1]] = a + 1e-12 * (b - a), b - 1e-12 * (b - a)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return on_constraints(biped, phase, beta)
+        return on_constraints(biped, phase, _places(a, b))
+
+
+def _places(a: float, b: float) -> FloatArray:
+    """Chebyshev points of a panel from a to b, its ends a hair inside, so that a break belongs to it."""
+    beta: FloatArray = 0.5 * (a + b) + 0.5 * (b - a) * PLACES
+    beta[0], beta[-1] = a + 1e-12 * (b - a), b - 1e-12 * (b - a)
+    return beta
 
 
 def _last_good(biped: FrontalBiped, phase: VirtualConstraints, a: float, b: float, to_barrier: bool) -> float:
