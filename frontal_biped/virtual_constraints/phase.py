@@ -127,7 +127,7 @@ class Phase:
     def desired(self, beta: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
         """h_d (3,), dh_d/dbeta (3,), d2h_d/dbeta2 (3,) and the FRI target at one beta: what a control tick needs."""
         table = self._table
-        values = table[:10].dot(bernstein_at(table.shape[1] - 1, (float(beta) - self.beta_start) / self.range))
+        values = table.dot(bernstein_at(table.shape[1] - 1, (float(beta) - self.beta_start) / self.range))
         return values[:3], values[3:6], values[6:9], values.item(9)
 
     def shifted(self, shift: float) -> "Phase":

@@ -14,6 +14,13 @@ The same end poses can be reached more gently:
 Which of them is taken is decided by the closed form of the step to come: every contact margin, and the next
 post-impact speed beside the one of rho. No ankle torque is spent on the energy error, and the landing is always as
 planned: this is re-anchoring alone.
+
+**Looked up.** To compute this takes tens of milliseconds a step, which a simulation waits for and a robot cannot. After
+a landing as planned the choice depends on the speed alone; `tabulation` asks for every speed beforehand, and the table
+is kept with the gait. With it, what is chosen after any landing is what is chosen after the planned one at that speed;
+the phases are still anchored to the pose that there is. Where a landing is off its pose the computed choice may be
+another: under 1 kHz control, up to 0.2 mrad off, it is a neighbouring stretch, or another one near the gait, where
+phases of equal merit are told apart by the fourth digit of the next speed.
 """
 
 import hashlib

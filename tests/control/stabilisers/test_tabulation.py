@@ -8,7 +8,8 @@ import pytest
 from frontal_biped.analysis.return_map import RestrictedMap
 from frontal_biped.control.stabilisers.look_ahead import LookAheadTransitions
 from frontal_biped.control.stabilisers.tabulation import CELL, ENDS, tabulated
-from frontal_biped.gait.look_ahead_table import LookAheadTable
+from frontal_biped.control.stabilisers.transitions import REJOINS
+from frontal_biped.gait.look_ahead_table import LENGTHS, LookAheadTable
 from frontal_biped.zero_dynamics.half_steps import ConstrainedState, rising_energy
 
 SAME = 1e-9  # [rad] of a falling phase: its reversal is located to rounding, twice
@@ -54,6 +55,10 @@ def test_ends_of_the_intervals_are_where_the_answer_changes(biped, narrow):
     for end, before, after in zip(table.high[:-1], table.choices[:-1], table.choices[1:], strict=True):
         assert full.foreseen(end - ENDS).choice == before
         assert full.foreseen(end + ENDS).choice == after
+
+
+def test_file_knows_as_many_lengths_as_there_are():
+    assert len(REJOINS) == LENGTHS
 
 
 def test_table_of_another_gait_is_left_aside(biped, narrow, reference_gait):
