@@ -82,6 +82,14 @@ class Targets(NamedTuple):
             c[0] = (1.0 - self.sway.J[1:].dot(self.h_d1).item()) / self.sway.J.item(0)
         return c
 
+    def of_outputs(self) -> FloatArray:
+        """(4, 4) accelerations that the outputs' residuals take at an unchanged rate of the phase's variable."""
+        if self.sway is None:
+            return _OF_OUTPUTS
+        of_outputs = _OF_OUTPUTS.copy()
+        of_outputs[0, :FRI] = self.sway.J[1:] / -self.sway.J.item(0)
+        return of_outputs
+
 
 class Motion(NamedTuple):
     """Accelerations of one instant and what they take.
@@ -134,9 +142,7 @@ class StanceDynamics(NamedTuple):
         """
         m = self.M[F_V, BASE:] * -targets.p_fri
         m += self.M[N_0, BASE:]
-        c, of_outputs = targets.slope(), a_0 * _OF_OUTPUTS
-        if targets.sway is not None:
-            of_outputs[0, :FRI] = targets.sway.J[1:] * (-a_0 / targets.sway.J.item(0))
+        c, of_outputs = targets.slope(), a_0 * targets.of_outputs()
         k = m.dot(of_outputs)
         k *= -1.0
         k[FRI] = T_0

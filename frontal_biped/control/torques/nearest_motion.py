@@ -28,6 +28,7 @@ from frontal_biped.control.torques.linearisation import BODY_JOINTS, FRI, JOINTS
 from frontal_biped.control.torques.relaxation import Overstepping, weights
 from frontal_biped.control.torques.walking_qp import DDQ, FORCE, OUTPUT_ACCELERATION, VARIABLES, U, WalkingQp
 from frontal_biped.model.biped import BASE
+from frontal_biped.model.state import State
 from frontal_biped.numerics.least_distance import NoFeasiblePointError, UndecidedError, nearest_point
 from frontal_biped.numerics.quadratic_program import UNBOUNDED
 
@@ -57,10 +58,15 @@ class NearestMotion:
 
     Args:
         qp: the program; its limits are used, and its units.
+
+    Attributes:
+        torque_unit: of the FRI's residual, T_0 [N m].
+        of_forces: (k, 7) rows of the limits, in the units of the program, of the forces.
+        of_ddq: (k, 4) of the accelerations.
     """
 
     def __init__(self, qp: WalkingQp) -> None:
-        self._joints, self._price, self._torque_unit = qp.limits.joints, qp.price, qp.torque_unit
+        self._joints, self._price, self.torque_unit = qp.limits.joints, qp.price, qp.torque_unit
         contact, torque, *_ = qp.rows
         fixed = slice(contact.start, torque.stop)  # of the program's rows those that are the same at every tick
         program, weight = qp.fixed, weights(qp.rows)
@@ -74,13 +80,12 @@ class NearestMotion:
             joint = np.zeros((len(limited), VARIABLES))
             joint[:, DDQ] = np.eye(JOINTS)[limited] / OUTPUT_ACCELERATION
             rows += [joint, -joint]
-            least.append(np.zeros(2 * len(limited)))  # known at a state
             weight_of += 2 * [weight[qp.rows.joint][limited]]
             self._limited = np.concatenate([limited, JOINTS + limited])
         all_rows = np.concatenate(rows)
-        self._least, self._of_ddq = np.concatenate(least), np.ascontiguousarray(all_rows[:, DDQ])
+        self._least, self.of_ddq = np.concatenate(least), np.ascontiguousarray(all_rows[:, DDQ])
         of_moment = np.zeros((len(all_rows), 1))  # none: N_0 is not a variable of the program
-        self._of_forces = np.concatenate([all_rows[:, FORCE], of_moment, all_rows[:, U]], axis=1)
+        self.of_forces = np.concatenate([all_rows[:, FORCE], of_moment, all_rows[:, U]], axis=1)
         self._overstepping = Overstepping(np.concatenate(weight_of))
 
     def solve(self, dynamics: StanceDynamics, targets: Targets, linearising: Motion) -> Nearest | None:
@@ -96,7 +101,7 @@ class NearestMotion:
         origin = linearising
         if targets.decrease is not None:  # from v = 0
             origin = dynamics.linearising(targets._replace(ddy=np.zeros(BODY_JOINTS))) or linearising
-        along = dynamics.along_residuals(targets, OUTPUT_ACCELERATION, self._torque_unit)
+        along = dynamics.along_residuals(targets, OUTPUT_ACCELERATION, self.torque_unit)
         G, h = self._limits(dynamics, origin, along)
         if not isfinite(h.dot(h) + np.vdot(along, along)):
             return None
@@ -126,18 +131,22 @@ class NearestMotion:
 
     def _limits(self, dynamics: StanceDynamics, origin: Motion, along: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Rows G r >= h of all limits, G (k, 4), h (k,)."""
-        of_motion = self._of_forces.dot(dynamics.M[:, BASE:])  # by ddq, through the forces it takes and by itself
-        of_motion += self._of_ddq
-        h = self._least - self._of_forces.dot(origin.forces)
-        h -= self._of_ddq.dot(origin.ddq)
+        of_motion = self.of_forces.dot(dynamics.M[:, BASE:])  # by ddq, through the forces it takes and by itself
+        of_motion += self.of_ddq
+        h = self.least(dynamics.state) - self.of_forces.dot(origin.forces)
+        h -= self.of_ddq.dot(origin.ddq)
         if self._joints is not None:
-            lower, upper = self._joints.bounds(dynamics.state)
-            bounds = np.concatenate([lower, -upper]).take(self._limited)
-            bounds /= OUTPUT_ACCELERATION
-            joint = h[-len(bounds) :]
-            joint += bounds
-            np.maximum(joint, NEVER, out=joint)
+            np.maximum(h, NEVER, out=h)
         return of_motion.dot(along), h
+
+    def least(self, state: State) -> FloatArray:
+        """(k,) lower bounds of the rows at a state; -inf of a joint without a limit on that side."""
+        if self._joints is None:
+            return self._least
+        lower, upper = self._joints.bounds(state)
+        bounds = np.concatenate([lower, -upper]).take(self._limited)
+        bounds /= OUTPUT_ACCELERATION
+        return np.concatenate([self._least, bounds])
 
     def _optimum(self, G: FloatArray, h: FloatArray, targets: Targets) -> tuple[FloatArray, float]:
         """Residuals (4,) and delta [rad/s^2] of the optimum under G r >= h.
