@@ -10,9 +10,10 @@ from functools import cache
 from importlib import import_module
 
 import numpy as np
+import numpy.typing as npt
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.torques.linearisation import F_V, N_0, Motion, StanceDynamics, Targets
+from frontal_biped.control.torques.linearisation import F_V, JOINTS, N_0, Motion, StanceDynamics, Targets
 from frontal_biped.control.torques.nearest_motion import EXACT, NEVER, NearestMotion
 from frontal_biped.control.torques.walking_qp import OUTPUT_ACCELERATION
 from frontal_biped.files.extras import missing_extra
@@ -37,6 +38,11 @@ def few_active_rows(
     of_forces: FloatArray,
     of_ddq: FloatArray,
     least: FloatArray,
+    joint: npt.NDArray[np.intp],
+    rate: float,
+    ranges: FloatArray,
+    q: FloatArray,
+    dq: FloatArray,
     ddq: FloatArray,
     forces: FloatArray,
 ) -> int:
@@ -55,14 +61,20 @@ def few_active_rows(
         T_0: unit of the FRI's residual [N m].
         of_forces: (k, 7) rows of the limits, of the forces.
         of_ddq: (k, 4) of the accelerations.
-        least: (k,) their lower bounds.
+        least: their lower bounds, but for the last rows, which are of joints.
+        joint: of which joint each of these rows is, first those of lower limits, then as many of upper ones.
+        rate: r of the joints' limits [1/s].
+        ranges: (3, 4) r^2 q_min, r^2 q_max, 2 r dq_max of every joint [rad/s^2].
+        q: (4,) [rad].
+        dq: (4,) [rad/s].
         ddq: (4,) place for the accelerations [rad/s^2].
         forces: (7,) place for the forces [N, N m].
 
     Returns:
         `CLOSED_FORM` with no row active, `NEAREST` with some, or `NOT_FOUND`: then ddq and forces are no answer.
     """
-    base, n, rows = 3, 4, len(least)
+    base, n, fixed = 3, 4, len(least)
+    rows = fixed + len(joint)
     # ------------------------------------------------------------------ the linearising motion
     m = np.empty(n)
     I_P = moment = 0.0
@@ -83,7 +95,14 @@ def few_active_rows(
     h = np.empty(rows)
     most = 0
     for i in range(rows):
-        h[i] = least[i]
+        if i < fixed:
+            h[i] = least[i]
+        else:  # as `JointLimits.bounds`
+            which = joint[i - fixed]
+            pull, drag = rate * rate * q[which], 2.0 * rate * dq[which]
+            upper = min(ranges[1, which] - pull, ranges[2, which]) - drag
+            lower = max(ranges[0, which] - pull, -ranges[2, which]) - drag
+            h[i] = (min(lower, upper) if 2 * (i - fixed) < len(joint) else -upper) / OUTPUT_ACCELERATION
         for j in range(len(forces)):
             h[i] -= of_forces[i, j] * forces[j]
         for j in range(n):
@@ -214,14 +233,18 @@ class FewRows:
     """
 
     def __init__(self, nearest: NearestMotion, function: Callable[..., int]) -> None:
-        self._nearest, self._function = nearest, function
+        self._nearest, self._function, joints = nearest, function, nearest.joints
+        limited = np.zeros(0, np.intp) if joints is None else joints.limited
+        self._joint = np.concatenate([limited, limited])
+        self._rate = 0.0 if joints is None else joints.rate
+        self._ranges = np.zeros((3, JOINTS)) if joints is None else joints.ranges
 
     def solve(self, dynamics: StanceDynamics, targets: Targets) -> tuple[Motion, bool] | None:
         """The optimum at a state, and is a limit active? None: not found, or none of the program's outputs."""
         if targets.decrease is not None:
             return None
         rows = self._nearest
-        motion = Motion(np.empty(4), np.empty(7))
+        motion = Motion(np.empty(JOINTS), np.empty(len(dynamics.bias)))
         found = self._function(
             dynamics.M,
             dynamics.bias,
@@ -231,7 +254,11 @@ class FewRows:
             rows.torque_unit,
             rows.of_forces,
             rows.of_ddq,
-            rows.least(dynamics.state),
+            rows.fixed,
+            self._joint,
+            self._rate,
+            self._ranges,
+            *dynamics.state,
             *motion,
         )
         return None if found == NOT_FOUND else (motion, found == NEAREST)

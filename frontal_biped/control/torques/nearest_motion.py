@@ -60,13 +60,15 @@ class NearestMotion:
         qp: the program; its limits are used, and its units.
 
     Attributes:
+        joints: limits of the joints' motion, or None.
         torque_unit: of the FRI's residual, T_0 [N m].
         of_forces: (k, 7) rows of the limits, in the units of the program, of the forces.
         of_ddq: (k, 4) of the accelerations.
+        fixed: lower bounds of those of them that are the same at every tick; the joints' come behind.
     """
 
     def __init__(self, qp: WalkingQp) -> None:
-        self._joints, self._price, self.torque_unit = qp.limits.joints, qp.price, qp.torque_unit
+        self.joints, self._price, self.torque_unit = qp.limits.joints, qp.price, qp.torque_unit
         contact, torque, *_ = qp.rows
         fixed = slice(contact.start, torque.stop)  # of the program's rows those that are the same at every tick
         program, weight = qp.fixed, weights(qp.rows)
@@ -75,15 +77,15 @@ class NearestMotion:
         rows = [C[below], -C[above]]
         least, weight_of = [program.l[fixed][below], -program.u[fixed][above]], [weight[fixed][below]]
         weight_of.append(weight[fixed][above])
-        if self._joints is not None:
-            limited = self._joints.limited
+        if self.joints is not None:
+            limited = self.joints.limited
             joint = np.zeros((len(limited), VARIABLES))
             joint[:, DDQ] = np.eye(JOINTS)[limited] / OUTPUT_ACCELERATION
             rows += [joint, -joint]
             weight_of += 2 * [weight[qp.rows.joint][limited]]
             self._limited = np.concatenate([limited, JOINTS + limited])
         all_rows = np.concatenate(rows)
-        self._least, self.of_ddq = np.concatenate(least), np.ascontiguousarray(all_rows[:, DDQ])
+        self.fixed, self.of_ddq = np.concatenate(least), np.ascontiguousarray(all_rows[:, DDQ])
         of_moment = np.zeros((len(all_rows), 1))  # none: N_0 is not a variable of the program
         self.of_forces = np.concatenate([all_rows[:, FORCE], of_moment, all_rows[:, U]], axis=1)
         self._overstepping = Overstepping(np.concatenate(weight_of))
@@ -133,20 +135,20 @@ class NearestMotion:
         """Rows G r >= h of all limits, G (k, 4), h (k,)."""
         of_motion = self.of_forces.dot(dynamics.M[:, BASE:])  # by ddq, through the forces it takes and by itself
         of_motion += self.of_ddq
-        h = self.least(dynamics.state) - self.of_forces.dot(origin.forces)
+        h = self._least(dynamics.state) - self.of_forces.dot(origin.forces)
         h -= self.of_ddq.dot(origin.ddq)
-        if self._joints is not None:
+        if self.joints is not None:
             np.maximum(h, NEVER, out=h)
         return of_motion.dot(along), h
 
-    def least(self, state: State) -> FloatArray:
+    def _least(self, state: State) -> FloatArray:
         """(k,) lower bounds of the rows at a state; -inf of a joint without a limit on that side."""
-        if self._joints is None:
-            return self._least
-        lower, upper = self._joints.bounds(state)
+        if self.joints is None:
+            return self.fixed
+        lower, upper = self.joints.bounds(state)
         bounds = np.concatenate([lower, -upper]).take(self._limited)
         bounds /= OUTPUT_ACCELERATION
-        return np.concatenate([self._least, bounds])
+        return np.concatenate([self.fixed, bounds])
 
     def _optimum(self, G: FloatArray, h: FloatArray, targets: Targets) -> tuple[FloatArray, float]:
         """Residuals (4,) and delta [rad/s^2] of the optimum under G r >= h.
