@@ -2,7 +2,8 @@
 
 No limit active, or a few: then the active rows are guessed and the guess is proved (`few_active_rows`). What is not
 found so is left to `nearest_motion`, which asks the same question and needs no compiler. NumPy takes a microsecond for
-every one of some forty operations on a handful of numbers; compiled, all of them take two.
+every one of some forty operations on a handful of numbers. Ticks 10 mrad off the gait, the same ones again and again on
+a busy core, took 2 us for this part where `nearest_motion` took 57, and 32 us in all where they had taken 126.
 """
 
 from collections.abc import Callable
