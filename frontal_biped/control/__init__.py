@@ -13,8 +13,8 @@
 * *No torques keep every limit.* The limits give way as little as can be, joints rather than contact, motors never, and
   the program is solved with what is left, so torques stay continuous; where the state is not finite or nothing can be
   solved, the last command.
-* *Compiled.* ``solver="compiled"`` has the common ticks in one function that Numba compiles (`torques.few_rows`); what it
-  does not find goes the way above. Its answers are those of the others to rounding, not to the last digit.
+* *Compiled.* ``solver="compiled"`` has the common ticks in one function that Numba compiles (`torques.few_rows`); what
+  it does not find goes the way above. Its answers are those of the others to rounding, not to the last digit.
 * *ProxQP* takes over where rounding does not let tell; with ``solver="proxqp"`` it is asked at every tick,
   warm-started, tolerance 1e-9, at most 80 iterations. Tests hold the two to each other, 1e-8 with no limit active and
   1e-7 with some.
