@@ -13,6 +13,8 @@
 * *No torques keep every limit.* The limits give way as little as can be, joints rather than contact, motors never, and
   the program is solved with what is left, so torques stay continuous; where the state is not finite or nothing can be
   solved, the last command.
+* *Compiled.* ``solver="compiled"`` has the common ticks in one function that Numba compiles (`torques.few_rows`); what
+  it does not find goes the way above. Its answers are those of the others to rounding, not to the last digit.
 * *ProxQP* takes over where rounding does not let tell; with ``solver="proxqp"`` it is asked at every tick,
   warm-started, tolerance 1e-9, at most 80 iterations. Tests hold the two to each other, 1e-8 with no limit active and
   1e-7 with some.
@@ -22,6 +24,9 @@ sum), marked (``command.source``) and logged (`logging`, INFO). A test gives the
 every solved one passes an independent check of the KKT conditions, every other one is proved infeasible by a linear
 program. What a tick costs: `tests/benchmarks/benchmark_control_tick.py`.
 
+*Looking ahead* (stabiliser "adaptive") takes tens of milliseconds a step. A robot looks its answers up:
+``save_gait(tabulated(robot, gait), path)`` once, and every walk with the gait of that file takes them from its table.
+
 Rooms: `stabilisers` choose the virtual constraints of each phase, `torques` what the motors do at a tick, `walker`
 turns sensor readings into torques as on a robot. `whole_body` and `spatial_walker` do the same for every joint of the
 robot free in space.
@@ -30,6 +35,7 @@ robot free in space.
 from frontal_biped.control.controller import Command, QpController
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers.by_name import STABILISERS, make_stabiliser
+from frontal_biped.control.stabilisers.tabulation import tabulated
 from frontal_biped.control.stabilisers.transitions import FixedTransitions, ReanchoringTransitions, Stabiliser
 from frontal_biped.control.torques.limits import ContactLimits, JointLimits, WalkingLimits
 from frontal_biped.control.torques.linearisation import Targets
@@ -51,4 +57,5 @@ __all__ = [
     "WalkingLimits",
     "WalkingQp",
     "make_stabiliser",
+    "tabulated",
 ]

@@ -7,7 +7,7 @@ from frontal_biped.gait.planned_step import PlannedStep
 from frontal_biped.gait.specification import GaitSpecification
 
 OUTPUTS = ("linearising", "clf")
-SOLVERS = ("exact", "proxqp")
+SOLVERS = ("exact", "compiled", "proxqp")
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,8 @@ class ControllerSettings:
         epsilon: time scale of the control Lyapunov function [s].
         relaxation_price: price rho of its relaxation [-].
         solver: of the quadratic program: "exact", in closed form and in the residuals of the targets (see
-            `nearest_motion`), with ProxQP where that fails; or "proxqp", at every tick.
+            `nearest_motion`), with ProxQP where that fails; "compiled", the same with the common ticks in one
+            function that Numba compiles (see `few_rows`); or "proxqp", at every tick.
 
     Raises:
         SimulationError: unknown ``outputs`` or ``solver``.

@@ -188,7 +188,7 @@ class SoleHeights(NamedTuple):
 
 def sole_heights(biped: FrontalBiped, q: FloatArray) -> FloatArray:
     """(2, n) heights of the swing sole's inner and outer end at q (n, 4) [m]."""
-    return np.array([biped.swing_sole(at)[:, 1] for at in q]).reshape(-1, 2).T
+    return biped.swing_sole_heights(q)
 
 
 def step_constraints(

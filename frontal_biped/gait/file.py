@@ -12,6 +12,7 @@
                              cost [N^2 m s], multiplier [-] of the step
     specification            what it was designed for, keys of a specification file
     provenance               versions, seed, solver status, residuals
+    look_ahead               of one step, may be left out: what looking ahead answers (`gait.look_ahead_table`)
 
 Numbers are written so that reading gives back the same bits. An unknown or missing field, a wrong shape, a text that is
 not one line, a number that is not finite or out of its range (`gait.ranges`) is refused with file, field, value and
@@ -36,6 +37,7 @@ from frontal_biped.files.quoted import quoted
 from frontal_biped.files.reading import MOST_JSON_BYTES, load_json
 from frontal_biped.files.toml import as_finite
 from frontal_biped.gait.gait import Gait, OrbitNumbers, RobotReference
+from frontal_biped.gait.look_ahead_table import table_from_dict, table_to_dict
 from frontal_biped.gait.ranges import GAIT as RANGES
 from frontal_biped.gait.ranges import MOST_COEFFICIENTS, require_in_range
 from frontal_biped.gait.robot_path import found_description, stored_description
@@ -62,6 +64,7 @@ def save_gait(gait: AnyGait, path: Path | str) -> None:
 
 def gait_to_dict(gait: AnyGait) -> dict[str, Any]:
     """Content of a gait file, its robot's description named as in memory."""
+    table = gait.look_ahead if isinstance(gait, Gait) else None
     return {
         "format": GAIT,
         "version": VERSION,
@@ -77,6 +80,7 @@ def gait_to_dict(gait: AnyGait) -> dict[str, Any]:
         ],
         "specification": gait.specification.as_dict(),
         "provenance": dict(gait.provenance),
+        **({} if table is None else {"look_ahead": table_to_dict(table)}),
     }
 
 
@@ -130,12 +134,15 @@ def any_gait_from_dict(table: Any, where: str) -> AnyGait:
         reader.no_others("", table, (*around[0], *_STEP, *around[1]))
         steps = [reader.step(table, "")]
     else:
-        reader.no_others("", table, (*around[0], "steps", *around[1]))
+        reader.no_others("", table, (*around[0], "steps", *around[1], "look_ahead"))
         steps = reader.steps(table)
     reference = reader.robot(table)
     specification, provenance = reader.specification(table), reader.provenance(table)
+    look_ahead = table_from_dict(table["look_ahead"], where) if "look_ahead" in table else None
     if len(steps) == 1:
-        return Gait(reference, *steps[0], specification, provenance)
+        return Gait(reference, *steps[0], specification, provenance, look_ahead)
+    if look_ahead is not None:
+        raise GaitFileError(f"{where}: look_ahead beside two steps; leave it out, only one step is looked ahead to")
     a, b = (SidewaysStep(*step, specification) for step in steps)
     if a.step_width < b.step_width:
         raise GaitFileError(

@@ -10,6 +10,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.files.shown import ShownAsPage
+from frontal_biped.gait.look_ahead_table import LookAheadTable
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.gait.whole_orbit import whole_orbit
 from frontal_biped.model.biped import FrontalBiped
@@ -72,6 +73,7 @@ class Gait(ShownAsPage):
         orbit: the periodic orbit.
         specification: what it was designed for.
         provenance: versions, seed, solver status, residuals.
+        look_ahead: what looking ahead answers at every speed (`control.stabilisers.tabulation`); None: to be computed.
     """
 
     robot: RobotReference
@@ -81,6 +83,7 @@ class Gait(ShownAsPage):
     orbit: OrbitNumbers
     specification: GaitSpecification = field(default_factory=GaitSpecification)
     provenance: Mapping[str, Any] = field(default_factory=dict)
+    look_ahead: LookAheadTable | None = None
 
     def __repr__(self) -> str:
         orbit = self.orbit

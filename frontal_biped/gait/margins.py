@@ -144,4 +144,8 @@ class ContactMargins:
 
 def _room(limit: Constraint, unit: float) -> float:
     """Least distance to the bounds, negative outside, over a unit."""
-    return min(float(np.min(sign * (limit.values - bound), initial=np.inf)) for bound, sign in limit.sides()) / unit
+    if limit.values.size == 0:
+        return np.inf
+    above = np.inf if limit.lower is None else limit.values.min().item() - limit.lower
+    below = np.inf if limit.upper is None else limit.upper - limit.values.max().item()
+    return min(above, below) / unit

@@ -9,6 +9,7 @@ in one call the ground reaction (F_h, F_v), its moment N_0 about the ground poin
 """
 
 from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
 from frontal_biped.files.shown import ShownAsPage
 from frontal_biped.model.chain import GRAVITY, UPRIGHT
+from frontal_biped.model.many_states import ManyStates
 from frontal_biped.model.robot import Robot
 from frontal_biped.model.urdf.reduction import FrontalReduction, reduce_to_frontal_plane
 
@@ -161,6 +163,11 @@ class FrontalBiped(ShownAsPage):
         return float(np.linalg.norm(self.chain.joints[2] - self.chain.joints[1]))
 
     # ------------------------------------------------------------------ pinned dynamics
+    @cached_property
+    def many(self) -> ManyStates:
+        """The same dynamics at many states in one call."""
+        return ManyStates(self.pinned, self.floating)
+
     def D(self, q: FloatArray) -> FloatArray:
         """(4, 4) mass matrix [kg m^2]."""
         return pin.crba(self.pinned, self._data, q).copy()
@@ -266,6 +273,15 @@ class FrontalBiped(ShownAsPage):
         """Height of the lowest point of the swing sole above the ground under the stance foot [m]."""
         pin.framesForwardKinematics(self.pinned, self._data, q)
         return min(self._data.oMf[frame].translation.item(1) for frame in self._sole_frames)
+
+    def swing_sole_heights(self, q: FloatArray) -> FloatArray:
+        """(2, n) heights of the inner and the outer end of the swing sole at q (n, 4) [m]."""
+        inner, outer = (self._data.oMf[frame].translation for frame in self._sole_frames)  # views of Pinocchio's data
+        heights = np.empty((2, len(q)))
+        for i, at in enumerate(q):
+            pin.framesForwardKinematics(self.pinned, self._data, at)
+            heights[0, i], heights[1, i] = inner[1], outer[1]
+        return heights
 
     def swing_sole_jacobian(self, q: FloatArray) -> FloatArray:
         """(2, 2, 4) derivative of `swing_sole` with respect to q: [end, (h, v), joint] [m/rad]."""

@@ -1,9 +1,10 @@
 """Chebyshev series on an interval: interpolation, and integration from either end."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebint, chebval
+from numpy.polynomial.chebyshev import chebint, chebval, chebvander
 from scipy.fft import dct
 
 from frontal_biped.arrays import FloatArray
@@ -34,6 +35,24 @@ class Series:
         """Its values, in the shape of x."""
         return np.asarray(chebval((x - self.middle) / self.half, self.coefficients), dtype=float)
 
+    def at(self, x: float) -> float:
+        """Its value at one x, in plain numbers: a root finder asks one at a time (Clenshaw's recurrence)."""
+        place = (x - self.middle) / self.half
+        last, before, *others = self._downwards
+        for coefficient in others:
+            before, last = coefficient - last, before + 2.0 * place * last
+        return before + place * last
+
+    def at_places(self, sense: float) -> FloatArray:
+        """(DEGREE + 1,) its values where a panel is sampled, upwards (sense > 0) or downwards; of an `integral`."""
+        return (_AT_PLACES if sense > 0.0 else _AT_PLACES_DOWNWARDS) @ self.coefficients
+
+    @cached_property
+    def _downwards(self) -> list[float]:
+        """Coefficients from the highest degree on; at least two."""
+        coefficients: list[float] = self.coefficients[::-1].tolist()
+        return coefficients
+
     def __add__(self, constant: float) -> "Series":
         moved = self.coefficients.copy()
         moved[0] += constant
@@ -58,3 +77,4 @@ def _integration_matrix(sense: int) -> FloatArray:
 
 
 _UPWARDS, _DOWNWARDS = _integration_matrix(+1), _integration_matrix(-1)
+_AT_PLACES, _AT_PLACES_DOWNWARDS = chebvander(PLACES, DEGREE + 1), chebvander(-PLACES, DEGREE + 1)

@@ -48,6 +48,21 @@ def bernstein_derivative(degree: int, s: FloatArray | float, order: int) -> Floa
     return factor * bernstein(degree - order, s) @ differences
 
 
+@lru_cache(maxsize=64)
+def derivative_columns(degree: int, order: int, elevated: int) -> FloatArray:
+    """(degree + 1, elevated + 1) from coefficients to those of a derivative in s, in a basis of another degree.
+
+    Args:
+        degree: of the polynomials.
+        order: of the derivative, at most ``degree``.
+        elevated: degree of the basis, at least ``degree - order``.
+    """
+    columns = np.eye(degree + 1)
+    for step in range(order):
+        columns = (degree - step) * np.diff(columns, axis=1)
+    return elevate(columns, elevated)
+
+
 def elevate(coefficients: FloatArray, degree: int) -> FloatArray:
     """(..., degree + 1) coefficients of the same polynomials in the Bernstein basis of a higher degree."""
     while coefficients.shape[-1] <= degree:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.virtual_constraints.bezier import bernstein, bernstein_at, bernstein_derivative, elevate
+from frontal_biped.virtual_constraints.bezier import bernstein, bernstein_at, bernstein_derivative, derivative_columns
 
 
 class StepPhase(Enum):
@@ -117,13 +117,12 @@ class Phase:
     def motion(self, beta: FloatArray) -> ConstrainedMotion:
         """The robot on the virtual constraints at beta (n,) [rad]."""
         beta = np.atleast_1d(np.asarray(beta, dtype=float))
-        return constrained_motion(
-            phase_basis(self.degree, self.fri_degree, self.s(beta)),
-            beta,
-            self.range,
-            self.joint_bezier,
-            self.fri_bezier,
-        )
+        table = self._table
+        values = bernstein(table.shape[1] - 1, self.s(beta)) @ table.T
+        q, dq, ddq = parts = np.empty((3, len(beta), 4))
+        q[:, 0], dq[:, 0], ddq[:, 0] = beta, 1.0, 0.0
+        parts[:, :, 1:] = values[:, :9].reshape(-1, 3, 3).swapaxes(0, 1)
+        return ConstrainedMotion(q, dq, ddq, values[:, 9], values[:, 10])
 
     def desired(self, beta: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
         """h_d (3,), dh_d/dbeta (3,), d2h_d/dbeta2 (3,) and the FRI target at one beta: what a control tick needs."""
@@ -148,13 +147,13 @@ class Phase:
 
     @cached_property
     def _table(self) -> FloatArray:
-        """(10, n + 1) h_d, h_d', h_d'' and the FRI target in one Bernstein basis: a control tick evaluates it once."""
-        M = self.degree
-        first = M * np.diff(self.joint_bezier, axis=1) / self.range
-        second = (M - 1) * np.diff(first, axis=1) / self.range
-        degree = max(M, self.fri_degree)
-        rows = (self.joint_bezier, first, second, self.fri_bezier[None])
-        return np.concatenate([elevate(row, degree) for row in rows])
+        """(11, n + 1) h_d, h_d', h_d'', the FRI target and its slope in one Bernstein basis, for one product."""
+        M, M_fri = self.degree, self.fri_degree
+        n = max(M, M_fri)
+        joints, fri = self.joint_bezier, self.fri_bezier
+        of_joints = [joints @ derivative_columns(M, k, n) / self.range**k for k in range(3)]
+        of_fri = [fri @ derivative_columns(M_fri, k, n) / self.range**k for k in range(2)]
+        return np.concatenate([*of_joints, of_fri])
 
 
 def constrained_motion(

@@ -3,12 +3,13 @@
 `anchoring` derives these and says when which of them is taken. Each keeps the planned phase and asks it where it holds.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.virtual_constraints.bezier import bernstein, bernstein_derivative
 from frontal_biped.virtual_constraints.contract import VirtualConstraints
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase
 
@@ -76,24 +77,27 @@ class ContinuedPhase(_Wrapper):
 
     def motion(self, beta: FloatArray) -> ConstrainedMotion:
         """The robot on the virtual constraints at beta (n,) [rad], past the end on the continuation."""
-        beta = np.atleast_1d(np.asarray(beta, dtype=float))
-        late = beta > self.beta_end
-        at = self.phase.motion(np.minimum(beta, self.beta_end))
-        if not np.any(late):
-            return at
-        x = (beta[late] - self.beta_end)[:, None]
+        return _joined(beta, self.beta_end, self._continuation, self.phase.motion)
+
+    def _continuation(self, beta: FloatArray) -> ConstrainedMotion:
+        """`motion` past the end."""
+        end = self._at_end
+        x = (beta - self.beta_end)[:, None]
         l, m = self.taper, self.curvature_taper
         slow, fast = np.exp(-x / l), np.exp(-x / m)
-        q, dq, ddq, p_fri, dp_fri = (part.copy() for part in at)
-        slope, growth = dq[late, 1:], ddq[late, 1:] + dq[late, 1:] / l
-        q[:, 0] = beta
-        q[late, 1:] += slope * l * (1.0 - slow) + growth * m * (m - (m + x) * fast)
-        dq[late, 1:] = slope * slow + growth * x * fast
-        ddq[late, 1:] = growth * (1.0 - x / m) * fast - slope / l * slow
+        slope, growth = end.dq[:, 1:], end.ddq[:, 1:] + end.dq[:, 1:] / l
+        q, dq, ddq = np.empty((3, len(beta), 4))
+        q[:, 0], dq[:, 0], ddq[:, 0] = beta, 1.0, 0.0
+        q[:, 1:] = end.q[:, 1:] + slope * l * (1.0 - slow) + growth * m * (m - (m + x) * fast)
+        dq[:, 1:] = slope * slow + growth * x * fast
+        ddq[:, 1:] = growth * (1.0 - x / m) * fast - slope / l * slow
         decay = np.exp(-x[:, 0] / self.fri_taper)
-        p_fri[late] += dp_fri[late] * self.fri_taper * (1.0 - decay)
-        dp_fri[late] *= decay
-        return ConstrainedMotion(q, dq, ddq, p_fri, dp_fri)
+        p_fri = end.p_fri + end.dp_fri * self.fri_taper * (1.0 - decay)
+        return ConstrainedMotion(q, dq, ddq, p_fri, end.dp_fri * decay)
+
+    @cached_property
+    def _at_end(self) -> ConstrainedMotion:
+        return self.phase.motion(np.array([self.beta_end]))
 
     def desired(self, beta: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
         """h_d (3,), dh_d/dbeta (3,), d2h_d/dbeta2 (3,) and the FRI target at one beta."""
@@ -131,13 +135,7 @@ class RetracingPhase(_Wrapper):
 
     def motion(self, beta: FloatArray) -> ConstrainedMotion:
         """The robot on the virtual constraints at beta (n,) [rad]."""
-        beta = np.atleast_1d(np.asarray(beta, dtype=float))
-        motion = ConstrainedMotion(*(part.copy() for part in self.phase.motion(beta)))
-        above = beta > self.beta_start
-        if np.any(above):
-            for part, back in zip(motion, self.rising.motion(beta[above]), strict=True):
-                part[above] = back
-        return motion
+        return _joined(beta, self.beta_start, self.rising.motion, self.phase.motion)
 
     def desired(self, beta: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
         """h_d (3,), dh_d/dbeta (3,), d2h_d/dbeta2 (3,) and the FRI target at one beta."""
@@ -173,19 +171,15 @@ class RejoiningPhase(_Wrapper):
 
     def motion(self, beta: FloatArray) -> ConstrainedMotion:
         """The robot on the virtual constraints at beta (n,) [rad]."""
-        beta = np.atleast_1d(np.asarray(beta, dtype=float))
-        q, dq, ddq, p_fri, dp_fri = (part.copy() for part in self.phase.motion(beta))
-        above = beta > self.join
-        if np.any(above):
-            length = self.begin - self.join
-            x = (beta[above] - self.join) / length
-            columns = self._correction(length)
-            p_fri[above] += self.fri_mismatch * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
-            dp_fri[above] += self.fri_mismatch * 30.0 * x**2 * (1.0 - x) ** 2 / length
-            q[above, 1:] += bernstein(5, x) @ columns.T
-            dq[above, 1:] += bernstein_derivative(5, x, 1) @ columns.T / length
-            ddq[above, 1:] += bernstein_derivative(5, x, 2) @ columns.T / length**2
-        return ConstrainedMotion(q, dq, ddq, p_fri, dp_fri)
+        return _joined(beta, self.join, self._rejoining, self.phase.motion)
+
+    def _rejoining(self, beta: FloatArray) -> ConstrainedMotion:
+        """`motion` where the mismatch lasts."""
+        planned, more = self.phase.motion(beta), self._correction.motion(beta)
+        q, dq, ddq = planned[:3]
+        for part, added in zip((q, dq, ddq), more[:3], strict=True):
+            part[:, 1:] += added[:, 1:]
+        return ConstrainedMotion(q, dq, ddq, planned.p_fri + more.p_fri, planned.dp_fri + more.dp_fri)
 
     def desired(self, beta: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
         """h_d (3,), dh_d/dbeta (3,), d2h_d/dbeta2 (3,) and the FRI target at one beta."""
@@ -195,11 +189,33 @@ class RejoiningPhase(_Wrapper):
         """The phase with its FRI target moved by a constant [m]."""
         return replace(self, phase=self.phase.shifted(shift))
 
-    def _correction(self, length: float) -> FloatArray:
-        """(3, 6) Bezier columns over x in [0, 1]: zero with two derivatives at 0, the mismatch at 1, flat curvature."""
-        value, slope = self.mismatch[:, 0], self.mismatch[:, 1] * length
+    @cached_property
+    def _correction(self) -> Phase:
+        """The mismatch from where it has died out, with two derivatives, to where it begins, with flat curvature."""
+        value, slope = self.mismatch[:, 0], self.mismatch[:, 1] * (self.begin - self.join)
         zero = np.zeros(3)
-        return np.stack([zero, zero, zero, value - 0.4 * slope, value - 0.2 * slope, value], axis=1)
+        columns = np.stack([zero, zero, zero, value - 0.4 * slope, value - 0.2 * slope, value], axis=1)
+        fri = self.fri_mismatch * np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
+        return Phase(self.join, self.begin, columns, fri)
+
+
+Motions = Callable[[FloatArray], ConstrainedMotion]
+
+
+def _joined(beta: FloatArray, at: float, above: Motions, below: Motions) -> ConstrainedMotion:
+    """One motion above a beta and another at and below it, each asked only where it holds."""
+    beta = np.atleast_1d(np.asarray(beta, dtype=float))
+    high = beta > at
+    if not high.any():
+        return below(beta)
+    if high.all():
+        return above(beta)
+    parts = []
+    for up, down in zip(above(beta[high]), below(beta[~high]), strict=True):
+        part = np.empty((len(beta), *up.shape[1:]))
+        part[high], part[~high] = up, down
+        parts.append(part)
+    return ConstrainedMotion(*parts)
 
 
 def _at_one(at: ConstrainedMotion) -> tuple[FloatArray, FloatArray, FloatArray, float]:

@@ -8,7 +8,7 @@ R depends on the path alone. It is integrated from Chebyshev interpolants on pan
 constraints change form. A rising robot reverses where R reaches zeta+.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -22,7 +22,7 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.numerics.chebyshev_series import PLACES, Series, integral
 from frontal_biped.virtual_constraints.contract import VirtualConstraints
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion
-from frontal_biped.zero_dynamics.restricted import RestrictedDynamics, on_constraints, restrict
+from frontal_biped.zero_dynamics.restricted import ProjectedDynamics, RestrictedDynamics, on_constraints, restrict
 
 LARGEST_EXPONENT = 200.0
 """Bound on the change of Gamma over a panel; a gait's is below 1."""
@@ -41,6 +41,7 @@ class Panel:
         restricted: the scalar dynamics there.
         growth: Gamma over [start, end].
         spent: R over [start, end] [kg^2 m^4/s^2].
+        spent_at: (n,) R at the Chebyshev points, in the order of the motion [kg^2 m^4/s^2].
     """
 
     start: float
@@ -49,11 +50,16 @@ class Panel:
     restricted: RestrictedDynamics
     growth: Series
     spent: Series
+    spent_at: FloatArray
+
+    @cached_property
+    def gained(self) -> FloatArray:
+        """(n,) exp(Gamma) at the Chebyshev points [-]."""
+        return np.exp(self.growth.at_places(self.end - self.start))
 
     def left(self, zeta: float) -> FloatArray:
         """(n,) what is left of zeta at the start of the phase [kg^2 m^4/s^2]; negative past a reversal."""
-        beta = self.motion.q[:, 0]
-        return np.exp(self.growth(beta)) * (zeta - self.spent(beta))
+        return self.gained * (zeta - self.spent_at)
 
     def forces(self, left: FloatArray) -> FloatArray:
         """(7, n) rows F_h, F_v [N], N_0, u_1..u_4 [N m] where zeta is ``left`` (n,) [kg^2 m^4/s^2]."""
@@ -89,14 +95,14 @@ class PhaseEnergy:
     @cached_property
     def highest(self) -> float:
         """Largest R, the energy barrier as far as it was followed [kg^2 m^4/s^2]."""
-        return max(float(panel.spent(panel.end)) for panel in self.panels)
+        return max(panel.spent_at.item(-1) for panel in self.panels)
 
     def at(self, beta: float) -> tuple[float, float]:
         """Gamma and R at beta."""
         for panel in self.panels:
             low, high = sorted((panel.start, panel.end))
             if low <= beta <= high:
-                return float(panel.growth(beta)), float(panel.spent(beta))
+                return panel.growth.at(beta), panel.spent.at(beta)
         raise ReversalError(f"beta = {beta:.6g} rad is outside the phase")
 
     def shifted(self, shift: float) -> "PhaseEnergy":
@@ -116,7 +122,7 @@ class PhaseEnergy:
             if new is None:
                 raise ReversalError("I_P all but vanishes there")
             panels.append(new)
-            gamma, energy = float(new.growth(panel.end)), float(new.spent(panel.end))
+            gamma, energy = new.growth.at(panel.end), new.spent_at.item(-1)
         return PhaseEnergy(tuple(panels), self.complete, self.reaches_barrier, self.why)
 
     def reversal(self, dbeta: float) -> float:
@@ -129,10 +135,10 @@ class PhaseEnergy:
             raise ReversalError("the robot does not rise after the impact")
         zeta = 0.5 * (self.start_inertia * dbeta) ** 2
         for panel in self.panels:
-            if float(panel.spent(panel.end)) >= zeta:
+            if panel.spent_at.item(-1) >= zeta:
 
                 def left(x: float, panel: Panel = panel) -> float:
-                    return float(panel.spent(x)) - zeta
+                    return panel.spent.at(x) - zeta
 
                 if left(panel.start) >= 0.0:
                     return panel.start
@@ -174,8 +180,9 @@ def phase_energy(
     edges = [start, *inner, end]
     panels: list[Panel] = []
     gamma = energy = 0.0
-    for a, b in pairwise(edges):
-        motion, restricted = _sample(biped, phase, a, b)
+    # where nothing stops it the phase goes through all panels, one that rises through those up to its planned end
+    together = sum(sense * edge < sense * phase.beta_end for edge in edges[:-1]) if to_barrier else len(edges) - 1
+    for (a, b), (motion, restricted) in zip(pairwise(edges), _samples(biped, phase, edges, together), strict=False):
         bad = restricted.I_P <= 0.0
         over = restricted.drive >= 0.0 if to_barrier else np.zeros_like(bad)
         why = "I_P vanishes there" if np.any(bad) else BARRIER
@@ -192,7 +199,7 @@ def phase_energy(
         if panel is None:  # I_P is so small that the exponential overflows
             return _finish(panels, why)
         panels.append(panel)
-        gamma, energy = float(panel.growth(reached)), float(panel.spent(reached))
+        gamma, energy = panel.growth.at(reached), panel.spent_at.item(-1)
         if reached != b:
             return _finish(panels, why)
         if energy >= 0.5 * (panels[0].restricted.I_P[0] * dbeta) ** 2:
@@ -209,11 +216,11 @@ def _panel(
         if not np.all(np.isfinite(rate)) or np.max(np.abs(rate)) * abs(end - start) > LARGEST_EXPONENT:
             return None
         growth = integral(rate, start, end) + gamma
-        weighted = np.exp(-growth(motion.q[:, 0])) * restricted.drive
+        weighted = np.exp(-growth.at_places(end - start)) * restricted.drive
         if not np.all(np.isfinite(weighted)):
             return None
         spent = -integral(weighted, start, end) + energy
-    return Panel(start, end, motion, restricted, growth, spent)
+    return Panel(start, end, motion, restricted, growth, spent, spent.at_places(end - start))
 
 
 def _finish(panels: list[Panel], why: str) -> PhaseEnergy:
@@ -222,14 +229,38 @@ def _finish(panels: list[Panel], why: str) -> PhaseEnergy:
     return PhaseEnergy(tuple(panels), False, why == BARRIER, why)
 
 
+def _samples(
+    biped: FrontalBiped, phase: VirtualConstraints, edges: Sequence[float], together: int
+) -> Iterator[tuple[ConstrainedMotion, RestrictedDynamics]]:
+    """Panel after panel between edges, the first of them evaluated together."""
+    if together > 1:
+        beta = np.concatenate([_places(a, b) for a, b in pairwise(edges[: together + 1])])
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            motion, restricted = on_constraints(biped, phase, beta)
+        for begin in range(0, len(beta), len(PLACES)):
+            part = slice(begin, begin + len(PLACES))
+            own = ProjectedDynamics(*(rows[:, part] for rows in restricted.projected))
+            yield (
+                ConstrainedMotion(*(values[part] for values in motion)),
+                RestrictedDynamics(own, restricted.p_fri[part], restricted.dp_fri[part]),
+            )
+        edges = edges[together:]
+    for a, b in pairwise(edges):
+        yield _sample(biped, phase, a, b)
+
+
 def _sample(
     biped: FrontalBiped, phase: VirtualConstraints, a: float, b: float
 ) -> tuple[ConstrainedMotion, RestrictedDynamics]:
-    beta = 0.5 * (a + b) + 0.5 * (b - a) * PLACES
-    # a hair inside, so that a break belongs to the panel
-    beta[[0, -1]] = a + 1e-12 * (b - a), b - 1e-12 * (b - a)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return on_constraints(biped, phase, beta)
+        return on_constraints(biped, phase, _places(a, b))
+
+
+def _places(a: float, b: float) -> FloatArray:
+    """Chebyshev points of a panel from a to b, its ends a hair inside, so that a break belongs to it."""
+    beta: FloatArray = 0.5 * (a + b) + 0.5 * (b - a) * PLACES
+    beta[0], beta[-1] = a + 1e-12 * (b - a), b - 1e-12 * (b - a)
+    return beta
 
 
 def _last_good(biped: FrontalBiped, phase: VirtualConstraints, a: float, b: float, to_barrier: bool) -> float:

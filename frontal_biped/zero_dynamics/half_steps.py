@@ -81,11 +81,11 @@ def speed_at_end(falling: PhaseEnergy) -> float:
     """
     if not falling.complete:
         raise ReversalError(falling.why)
-    spent = np.concatenate([panel.spent(panel.motion.q[:, 0]) for panel in falling.panels])
+    spent = np.concatenate([panel.spent_at for panel in falling.panels])
     if not np.all(spent[1:] < 0.0):  # of a robot that leans the wrong way right from the start
         raise ReversalError("the robot stops in the falling phase")
     last = falling.panels[-1]
-    zeta = -np.exp(float(last.growth(last.end))) * float(last.spent(last.end))
+    zeta = -last.gained.item(-1) * last.spent_at.item(-1)
     return -float(np.sqrt(2.0 * zeta)) / float(last.restricted.I_P[-1])
 
 
@@ -130,5 +130,5 @@ def energy_surplus(biped: FrontalBiped, phase: VirtualConstraints, dbeta: float)
 def surplus_at_end(energy: PhaseEnergy, dbeta: float) -> float:
     """`energy_surplus` of a phase that has been integrated to its end."""
     missing = 0.0 if energy.complete else BLOCKED
-    surplus = 0.5 * (energy.start_inertia * dbeta) ** 2 - float(energy.panels[-1].spent(energy.end)) + missing
+    surplus = 0.5 * (energy.start_inertia * dbeta) ** 2 - energy.panels[-1].spent_at.item(-1) + missing
     return surplus if np.isfinite(surplus) else BLOCKED

@@ -49,11 +49,13 @@ class ProjectedDynamics(NamedTuple):
 
 def project_dynamics(biped: FrontalBiped, motion: ConstrainedMotion) -> ProjectedDynamics:
     """Project the full dynamics on a curve q(beta) given with its first two derivatives."""
-    rest = np.zeros(4)
-    A = np.array([biped.momentum_map(q) @ dq for q, dq in zip(motion.q, motion.dq, strict=True)])
-    G = np.array([biped.inverse_dynamics(q, rest, rest) for q in motion.q])
-    weighted = np.array([biped.inverse_dynamics(*point) for point in zip(*motion[:3], strict=True)])
-    return ProjectedDynamics(A.T, (weighted - G).T, G.T)
+    q, dq, ddq = motion[:3]
+    # what is asked of inverse dynamics: the weight; dq as an acceleration from rest; the curvature at unit speed
+    none = np.zeros_like(q)
+    velocity, acceleration = np.concatenate([none, none, dq]), np.concatenate([none, dq, ddq])
+    asked = biped.many.inverse_dynamics(np.concatenate([q, q, q]), velocity, acceleration)
+    G, A, B = asked.T.reshape(asked.shape[1], 3, len(q)).swapaxes(0, 1)
+    return ProjectedDynamics(A - G, B - G, G)
 
 
 @dataclass(frozen=True)

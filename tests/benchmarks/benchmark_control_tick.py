@@ -6,6 +6,8 @@ Every state is given to each contender in turn, so that one run compares them un
 of the thread, which a busy machine inflates but does not interrupt. "bare ProxQP" is update() and solve() of the
 walking program alone, kept warm from tick to tick, without a line of the package around it.
 
+Numba is optional: with it solver "compiled" is measured too, in the same loop.
+
 TSID 1.10.0 is optional. Its wheels corrupt the heap beside Pinocchio 4; built from source it works:
 pip install --no-binary libtsid,tsid tsid==1.10.0 pin==4.1.0      (about 7 minutes)
 """
@@ -15,6 +17,7 @@ import gc
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from importlib.util import find_spec
 
 import numpy as np
 import pinocchio as pin
@@ -220,6 +223,8 @@ def tsid_tick(robot: FrontalBiped) -> TsidTick | None:
 def compare(robot: FrontalBiped, gait: Gait, states: list[Asked], settings: ControllerSettings):
     ours, always = (QpController(robot, gait, replace(settings, solver=solver)) for solver in ("exact", "proxqp"))
     ticks = {"tick": Contender(ours.command), "tick, ProxQP every time": Contender(always.command)}
+    if find_spec("numba"):
+        ticks["tick, compiled"] = Contender(QpController(robot, gait, replace(settings, solver="compiled")).command)
     solver = BareProxQp(always)
     bare = Contender(solver)
     peers = {**ticks, "bare ProxQP": bare}

@@ -54,6 +54,11 @@ class TestStates:
     def test_swing_sole(self, robot, state):
         ends = [state["swing_sole_inner_hv"], state["swing_sole_outer_hv"]]
         assert_close(robot.swing_sole(state["q"]), ends, INDEPENDENT_TOLERANCE)
+        # of many states in one call: each of its own, and none left from the last
+        heights = robot.swing_sole_heights(np.stack([state["q"], state["q"] + 0.1, state["q"]]))
+        assert_close(heights[:, 0], np.array(ends)[:, 1], INDEPENDENT_TOLERANCE, TINY)
+        assert_close(heights[:, 1], robot.swing_sole(state["q"] + 0.1)[:, 1], INDEPENDENT_TOLERANCE, TINY)
+        assert np.array_equal(heights[:, 2], heights[:, 0])
 
 
 @pytest.mark.parametrize("index", range(6))

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from random_states import DIFFERENCE_TOLERANCE, assert_close, difference, vectors
 
 from frontal_biped.virtual_constraints import bernstein, bernstein_derivative
-from frontal_biped.virtual_constraints.bezier import elevate, restrict
+from frontal_biped.virtual_constraints.bezier import derivative_columns, elevate, restrict
 
 ROUNDING = 1e-12
 """Relative error of polynomials of degree 8 on [-0.2, 1.2]."""
@@ -91,3 +91,12 @@ def test_restricted_polynomial_is_the_same_polynomial(degree, start):
     t = np.linspace(0.0, 1.0, 7)
     part = bernstein(degree, t) @ restrict(coefficients, start).T
     assert_close(part, bernstein(degree, start + (1.0 - start) * t) @ coefficients.T, ROUNDING, floor=2.0)
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_columns_of_a_derivative_are_its_coefficients(order):
+    degree, elevated = 6, 8
+    coefficients = np.random.default_rng(3).normal(size=(2, degree + 1))
+    s = np.linspace(-0.2, 1.2, 9)
+    found = bernstein(elevated, s) @ (coefficients @ derivative_columns(degree, order, elevated)).T
+    assert_close(found, bernstein_derivative(degree, s, order) @ coefficients.T, 1e-12, floor=10.0)

@@ -14,17 +14,28 @@ The same end poses can be reached more gently:
 Which of them is taken is decided by the closed form of the step to come: every contact margin, and the next
 post-impact speed beside the one of rho. No ankle torque is spent on the energy error, and the landing is always as
 planned: this is re-anchoring alone.
+
+**Looked up.** To compute this takes tens of milliseconds a step, which a simulation waits for and a robot cannot. After
+a landing as planned the choice depends on the speed alone; `tabulation` asks for every speed beforehand, and the table
+is kept with the gait. With it, what is chosen after any landing is what is chosen after the planned one at that speed;
+the phases are still anchored to the pose that there is. Where a landing is off its pose the computed choice may be
+another: under 1 kHz control, up to 0.2 mrad off, it is a neighbouring stretch, or another one near the gait, where
+phases of equal merit are told apart by the fourth digit of the next speed.
 """
 
+import hashlib
+import json
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
-from frontal_biped.control.stabilisers.transitions import AS_PLANNED, ReanchoringTransitions
+from frontal_biped.control.stabilisers.transitions import AS_PLANNED, REJOINS, ReanchoringTransitions
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait.gait import Gait
+from frontal_biped.gait.look_ahead_table import Choice, Descent, LookAheadTable, Way
 from frontal_biped.gait.margins import ContactMargins, Margin
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.anchoring import anchored_falling, rescaled_falling
@@ -50,6 +61,9 @@ CLOSE = 0.05
 
 REJOINING = 0.03
 """Relative speed error beyond which an early falling phase does not try to rejoin its planned path."""
+
+METHOD = 1
+"""Number of the method, to be raised with every change of what is answered that the numbers above do not show."""
 
 SOLE_RESERVE = 0.006
 """Distance from the end of the sole at which the FRI target of a stretched phase's continuation stops [m]."""
@@ -81,6 +95,31 @@ class Outlook:
 NOWHERE = Outlook(-np.inf, -np.inf)
 
 
+class Foreseen(NamedTuple):
+    """A step that has not been walked yet.
+
+    Attributes:
+        choice: the answers.
+        reversal: where it reverses [rad].
+        keeps_limits: are all limits kept?
+    """
+
+    choice: Choice
+    reversal: float
+    keeps_limits: bool
+
+
+def made_for(biped: FrontalBiped, gait: Gait) -> str:
+    """Digest of all that the answers depend on: robot, gait, and the numbers of the method."""
+    phases = [
+        [phase.beta_start, phase.beta_end, phase.joint_bezier.tolist(), phase.fri_bezier.tolist()]
+        for phase in (gait.rising, gait.falling)
+    ]
+    method = [STRETCHES, HALVINGS, RESERVE, NEAR, CLOSE, REJOINING, SOLE_RESERVE, REJOINS, METHOD]
+    numbers = [biped.fingerprint, phases, asdict(gait.orbit), gait.specification.as_dict(), method]
+    return hashlib.sha256(json.dumps(numbers, sort_keys=True).encode()).hexdigest()
+
+
 @dataclass(frozen=True)
 class LookAheadTransitions:
     """Reversal-adaptive transitions within the limits of the contact: the stabiliser "adaptive", default of `simulate`.
@@ -88,12 +127,19 @@ class LookAheadTransitions:
     Attributes:
         biped: the robot.
         gait: the gait.
+        look_up: answer from the table that is kept with the gait, if there is one? Otherwise, and where the table does
+            not know, every answer is computed; it takes tens of milliseconds.
     """
 
     biped: FrontalBiped
     gait: Gait
+    look_up: bool = True
 
     name = "adaptive"
+
+    def __post_init__(self) -> None:
+        if self._table is not None:
+            self.plain.planned_rising  # noqa: B018  takes 0.1 s, which the first landing must not wait for
 
     @cached_property
     def plain(self) -> ReanchoringTransitions:
@@ -104,20 +150,56 @@ class LookAheadTransitions:
     def rising(self, landed: ConstrainedState) -> ContinuedPhase:
         """The rising phase anchored to the state after the impact, stretched as far as the step to come asks for."""
         phase = self.plain.rising(landed)
-        ratio = landed.dbeta / self.gait.orbit.beta_dot_after_impact
-        if abs(ratio - 1.0) < NEAR or landed.dbeta <= 0.0:
-            return phase
-        plain = self._rising_outlook(phase, landed.dbeta)
-        if plain.room >= 0.0 and abs(plain.miss) <= CLOSE * abs(ratio - 1.0):
-            return phase
-        return self._stretched(phase, landed.dbeta, plain)
+        known = None if self._table is None else self._table.stretch(self._ratio(landed.dbeta))
+        return self._longer(phase, self._stretch(phase, landed.dbeta) if known is None else known)
 
     def falling(self, rising: RisingConstraints, reversal: float) -> VirtualConstraints:
         """The falling phase from the actual reversal."""
-        return self._falling(rising, reversal, self._speed(rising, reversal))[0]
+        known = None if self._table is None else self._table.descent(self._stretch_of(rising), reversal)
+        if known is None:
+            return self._falling(rising, reversal, self._speed(rising, reversal))[0]
+        return self._descended(known, rising, reversal)
+
+    @cached_property
+    def _table(self) -> LookAheadTable | None:
+        """The gait's, if it was made for this robot and gait, by this method."""
+        table = self.gait.look_ahead if self.look_up else None
+        return table if table is not None and table.made_for == made_for(self.biped, self.gait) else None
+
+    def foreseen(self, ratio: float) -> Foreseen | None:
+        """The step after a landing as planned at a speed, relative to the gait's; None: the robot tips over."""
+        dbeta = ratio * self.gait.orbit.beta_dot_after_impact
+        planned = self.plain.planned_rising
+        stretch = self._stretch(planned, dbeta)
+        rising = self._longer(planned, stretch)
+        try:
+            reversal = self._energy(rising, dbeta).reversal(dbeta)
+        except ReversalError:
+            return None
+        falling, way, _ = self._falling(rising, reversal, dbeta)
+        early = way is Way.ANCHORED and reversal < rising.beta_end
+        rejoin = REJOINS.index(self.plain.rejoin_of(rising, reversal)) if early else None
+        room = min(
+            self._room(self.limits.rising(self._energy(rising, dbeta), dbeta, reversal)),
+            self._falling_outlook(falling, reversal, dbeta).room,
+        )
+        return Foreseen(Choice(stretch, Descent(way, rejoin)), reversal, room > -RESERVE)
 
     # ------------------------------------------------------------------ rising
-    def _stretched(self, phase: ContinuedPhase, dbeta: float, plain: Outlook) -> ContinuedPhase:
+    def _ratio(self, dbeta: float) -> float:
+        return dbeta / self.gait.orbit.beta_dot_after_impact
+
+    def _stretch(self, phase: ContinuedPhase, dbeta: float) -> float:
+        """By how much to stretch a phase begun with dbeta [rad/s], relative to the planned range."""
+        ratio = self._ratio(dbeta)
+        if abs(ratio - 1.0) < NEAR or dbeta <= 0.0:
+            return 0.0
+        plain = self._rising_outlook(phase, dbeta)
+        if plain.room >= 0.0 and abs(plain.miss) <= CLOSE * abs(ratio - 1.0):
+            return 0.0
+        return self._best_stretch(phase, dbeta, plain)
+
+    def _best_stretch(self, phase: ContinuedPhase, dbeta: float, plain: Outlook) -> float:
         """Of the stretches, the least that keeps the limits and brings the speed of rho, or the best there is."""
 
         def tried(stretch: float) -> tuple[float, Outlook]:
@@ -140,12 +222,28 @@ class LookAheadTransitions:
                 # too long a stretch overloads a slow robot, too short a one a fast robot
                 too_long = outlook.enough or (outlook.room < 0.0 and not fast)
                 low, high = (low, middle) if too_long else (middle, high)
-        return self._longer(phase, max(found, key=lambda item: item[1].rank)[0])
+        return max(found, key=lambda item: item[1].rank)[0]
 
     def _longer(self, phase: ContinuedPhase, stretch: float) -> ContinuedPhase:
         """The phase with its end moved outwards; past it the FRI target may use the sole up to `SOLE_RESERVE`."""
         if stretch == 0.0:
             return phase
+        if phase is self.plain.planned_rising:
+            if stretch not in self._planned_longer:
+                self._planned_longer[stretch] = self._lengthened(phase, stretch)
+            return self._planned_longer[stretch]
+        return self._lengthened(phase, stretch)
+
+    @cached_property
+    def _planned_longer(self) -> dict[float, ContinuedPhase]:
+        """The phase of a landing as planned by its stretch: some dozen, met at every such landing."""
+        return {}
+
+    def _stretch_of(self, rising: RisingConstraints) -> float:
+        """By how much a phase was stretched: wherever it began, it keeps its end."""
+        return (rising.beta_end - self.gait.rising.beta_end) / abs(self.gait.rising.range)
+
+    def _lengthened(self, phase: ContinuedPhase, stretch: float) -> ContinuedPhase:
         longer = phase.stretched(phase.beta_end + stretch * abs(self.gait.rising.range))
         at = longer.motion(np.array([longer.beta_end]))
         slope, p_fri, (outer, inner) = float(at.dp_fri[0]), float(at.p_fri[0]), self.biped.sole
@@ -154,40 +252,65 @@ class LookAheadTransitions:
 
     def _rising_outlook(self, phase: ContinuedPhase, dbeta: float) -> Outlook:
         try:
-            energy = rising_energy(self.biped, phase, dbeta)
+            energy = self._energy(phase, dbeta)
             reversal = energy.reversal(dbeta)
         except ReversalError:
             return NOWHERE
         room = self._room(self.limits.rising(energy, dbeta, reversal))
         if room < 0.0:  # no falling phase can mend that
             return Outlook(room, -np.inf)
-        outlook = self._falling(phase, reversal, dbeta)[1]
+        outlook = self._falling(phase, reversal, dbeta)[2]
         return Outlook(min(room, outlook.room), outlook.miss)
 
+    def _energy(self, phase: ContinuedPhase, dbeta: float) -> PhaseEnergy:
+        """Of a rising phase as far as a speed takes it [rad/s]; of the phases of a landing as planned found once."""
+        if phase is not self._planned_longer.get(self._stretch_of(phase), self.plain.planned_rising):
+            return rising_energy(self.biped, phase, dbeta)
+        if phase.beta_end not in self._planned_energies:
+            self._planned_energies[phase.beta_end] = rising_energy(self.biped, phase)
+        return self._planned_energies[phase.beta_end]
+
+    @cached_property
+    def _planned_energies(self) -> dict[float, PhaseEnergy]:
+        """By the end of the phase [rad]."""
+        return {}
+
     # ------------------------------------------------------------------ falling
-    def _falling(self, rising: RisingConstraints, reversal: float, dbeta: float) -> tuple[VirtualConstraints, Outlook]:
+    def _falling(
+        self, rising: RisingConstraints, reversal: float, dbeta: float
+    ) -> tuple[VirtualConstraints, Way, Outlook]:
         """The first falling phase that keeps the limits with about the speed of rho, or the best there is."""
-        best: tuple[VirtualConstraints, Outlook] | None = None
-        error = abs(dbeta / self.gait.orbit.beta_dot_after_impact - 1.0)
+        best: tuple[VirtualConstraints, Way, Outlook] | None = None
+        error = abs(self._ratio(dbeta) - 1.0)
         if error < NEAR:
-            return self.plain.falling(rising, reversal), NOWHERE
-        for phase in self._candidates(rising, reversal, error):
+            return self.plain.falling(rising, reversal), Way.ANCHORED, NOWHERE
+        for way in self._ways(rising, reversal, error):
+            phase = self._descended(Descent(way), rising, reversal)
             outlook = self._falling_outlook(phase, reversal, dbeta)
             if outlook.room >= 0.0 and abs(outlook.miss) <= CLOSE * error:
-                return phase, outlook
-            if best is None or outlook.rank > best[1].rank:
-                best = (phase, outlook)
+                return phase, way, outlook
+            if best is None or outlook.rank > best[2].rank:
+                best = (phase, way, outlook)
         assert best is not None
         return best
 
-    def _candidates(self, rising: RisingConstraints, reversal: float, error: float) -> Iterator[VirtualConstraints]:
-        planned = self.gait.falling
+    def _ways(self, rising: RisingConstraints, reversal: float, error: float) -> Iterator[Way]:
         late = reversal >= rising.beta_end
         if late or error < REJOINING:
-            yield self.plain.falling(rising, reversal)
-        if late and abs(rising.beta_end - planned.beta_start) > AS_PLANNED:
-            yield anchored_falling(rescaled_falling(planned, rising, rising.beta_end), rising, reversal)
-        yield rescaled_falling(planned, rising, reversal)
+            yield Way.ANCHORED
+        if late and abs(rising.beta_end - self.gait.falling.beta_start) > AS_PLANNED:
+            yield Way.RETRACED
+        yield Way.RESCALED
+
+    def _descended(self, descent: Descent, rising: RisingConstraints, reversal: float) -> VirtualConstraints:
+        planned = self.gait.falling
+        if descent.way is Way.RESCALED:
+            return rescaled_falling(planned, rising, reversal)
+        if descent.way is Way.RETRACED:
+            return anchored_falling(rescaled_falling(planned, rising, rising.beta_end), rising, reversal)
+        if descent.rejoin is not None:
+            return self.plain.rejoining(rising, reversal, REJOINS[descent.rejoin])
+        return self.plain.falling(rising, reversal)
 
     def _falling_outlook(self, phase: VirtualConstraints, reversal: float, dbeta: float) -> Outlook:
         try:

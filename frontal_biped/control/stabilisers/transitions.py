@@ -28,6 +28,7 @@ from frontal_biped.virtual_constraints.phase import Phase
 from frontal_biped.virtual_constraints.piecewise import ContinuedPhase
 from frontal_biped.zero_dynamics.energy import PhaseEnergy
 from frontal_biped.zero_dynamics.half_steps import ConstrainedState, rising_energy, stretch_to_reversal
+from frontal_biped.zero_dynamics.restricted import restrict
 
 SLOWEST = 0.02
 """Share of the planned post-impact speed below which dq_b/dbeta is taken from the plan: it divides by the speed."""
@@ -166,15 +167,13 @@ class ReanchoringTransitions:
         pose_error = float(np.max(np.abs(landed.q - q)))
         slope_error = float(np.max(np.abs(slope - self._planned_start[1]))) * abs(planned.range)
         near_end = planned.beta_end - landed.q[0] < LEAST_RANGE * planned.range
-        if max(pose_error, slope_error) < AS_PLANNED or near_end:
-            phase, energy = planned, self._planned_energy
-        else:
-            phase = anchored_rising(planned, float(landed.q[0]), landed.q[1:], slope)
-            if not self.anticipate:
-                return phase
-            energy = rising_energy(self.biped, phase)
+        as_planned = max(pose_error, slope_error) < AS_PLANNED or near_end
+        phase = planned if as_planned else anchored_rising(planned, float(landed.q[0]), landed.q[1:], slope)
+        if not self.anticipate or landed.dbeta <= 0.0:
+            return phase
+        energy = self._planned_energy if as_planned else rising_energy(self.biped, phase)
         zeta = 0.5 * (energy.start_inertia * landed.dbeta) ** 2
-        if not self.anticipate or landed.dbeta <= 0.0 or energy.end < phase.beta_end:
+        if energy.end < phase.beta_end:
             return phase
         if zeta <= energy.at(phase.beta_end)[1]:
             return phase
@@ -197,6 +196,26 @@ class ReanchoringTransitions:
             beta: stance ankle angle at the impact [rad].
             pose: (3,) q_b there [rad].
         """
+        planned = self._planned_falling(rising, beta, pose)
+        if reversal >= planned.beta_start:
+            return anchored_falling(planned, rising, reversal)
+        if not self.rejoin:
+            return rescaled_falling(planned, rising, reversal)
+        return anchored_falling(planned, rising, reversal, self._rejoin_of(planned, rising, reversal))
+
+    def rejoin_of(self, rising: RisingConstraints, reversal: float) -> float:
+        """c of `REJOINS` with which `falling` rejoins its path from an early reversal [rad]."""
+        return self._rejoin_of(self._as_planned(rising), rising, reversal)
+
+    def rejoining(self, rising: RisingConstraints, reversal: float, c: float) -> VirtualConstraints:
+        """What `falling` answers to a reversal [rad] if the length c is known already."""
+        return anchored_falling(self._as_planned(rising), rising, reversal, c)
+
+    def _as_planned(self, rising: RisingConstraints) -> Phase:
+        return self._planned_falling(rising, self.gait.falling.beta_end, self.gait.falling.joint_bezier[:, -1])
+
+    def _planned_falling(self, rising: RisingConstraints, beta: float, pose: FloatArray) -> Phase:
+        """The falling phase that begins where the rising one ends, to a final pose (3,) [rad] at beta [rad]."""
         planned = self.gait.falling
         at = rising.motion(np.array([rising.beta_end]))
         start = planned.motion(np.array([planned.beta_start]))
@@ -209,18 +228,15 @@ class ReanchoringTransitions:
         if moved > AS_PLANNED:
             slope, p_fri = at.dq[0, 1:], float(at.p_fri[0])
             planned = with_ends(planned, rising.beta_end, at.q[0, 1:], slope, beta, pose, p_fri)
-        if reversal >= planned.beta_start:
-            return anchored_falling(planned, rising, reversal)
-        if not self.rejoin:
-            return rescaled_falling(planned, rising, reversal)
+        return planned
+
+    def _rejoin_of(self, planned: Phase, rising: RisingConstraints, reversal: float) -> float:
         floor = ENOUGH_INERTIA * self._least_inertia(planned, planned.beta_start)
-        best: VirtualConstraints = planned
-        most = -np.inf
+        best, most = REJOINS[0], -np.inf
         for rejoin in REJOINS:
-            phase = anchored_falling(planned, rising, reversal, rejoin)
-            least = self._least_inertia(phase, reversal)
+            least = self._least_inertia(anchored_falling(planned, rising, reversal, rejoin), reversal)
             if least > most:
-                best, most = phase, least
+                best, most = rejoin, least
             if least >= floor:
                 break
         return best
@@ -228,7 +244,4 @@ class ReanchoringTransitions:
     def _least_inertia(self, phase: VirtualConstraints, start: float) -> float:
         """Smallest I_P of a falling phase [kg m^2]."""
         beta = start + (phase.beta_end - start) * np.linspace(0.0, 1.0, 25)
-        motion = phase.motion(beta)
-        momentum = [self.biped.momentum_map(q)[1:3] @ dq for q, dq in zip(motion.q, motion.dq, strict=True)]
-        vertical, moment = np.array(momentum).T
-        return float(np.min(moment - motion.p_fri * vertical))
+        return float(np.min(restrict(self.biped, phase, beta).I_P))

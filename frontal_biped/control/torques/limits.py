@@ -63,12 +63,14 @@ class JointLimits:
 
     Attributes:
         limited: the joints that have any limit.
+        ranges: (3, 4) r^2 q_min, r^2 q_max, 2 r dq_max [rad/s^2].
     """
 
     def __init__(self, lower: FloatArray, upper: FloatArray, max_velocity: FloatArray, rate: float) -> None:
         self.rate = rate
         self._lower, self._upper = rate**2 * lower, rate**2 * upper
         self._velocity = 2.0 * rate * max_velocity
+        self.ranges = np.stack([self._lower, self._upper, self._velocity])
         bounded = np.isfinite(lower) | np.isfinite(upper) | np.isfinite(max_velocity)
         self.limited = np.flatnonzero(bounded)
         # the same in plain numbers: on four joints NumPy's calls would cost more than the arithmetic

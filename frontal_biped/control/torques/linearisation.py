@@ -68,14 +68,27 @@ class Targets(NamedTuple):
     def line(self) -> FloatArray:
         """(2, 4) accelerations a + c x that give the outputs theirs: a [rad/s^2], and c, by the phase's variable x."""
         line = np.zeros((2, JOINTS))
-        a, c = line
+        a, line[1] = line[0], self.slope()
         np.add(self.ddy, self.h_d2_dbeta2, out=a[1:])
+        if self.sway is not None:
+            a[0] = -(self.sway.drift + self.sway.J[1:].dot(a[1:]).item()) / self.sway.J.item(0)
+        return line
+
+    def slope(self) -> FloatArray:
+        """(4,) c alone: accelerations that leave the outputs' as they are, by the phase's variable."""
+        c = np.empty(JOINTS)
         c[0], c[1:] = 1.0, self.h_d1
         if self.sway is not None:
-            first, body = self.sway.J.item(0), self.sway.J[1:]
-            a[0] = -(self.sway.drift + body.dot(a[1:]).item()) / first
-            c[0] = (1.0 - body.dot(self.h_d1).item()) / first
-        return line
+            c[0] = (1.0 - self.sway.J[1:].dot(self.h_d1).item()) / self.sway.J.item(0)
+        return c
+
+    def of_outputs(self) -> FloatArray:
+        """(4, 4) accelerations that the outputs' residuals take at an unchanged rate of the phase's variable."""
+        if self.sway is None:
+            return _OF_OUTPUTS
+        of_outputs = _OF_OUTPUTS.copy()
+        of_outputs[0, :FRI] = self.sway.J[1:] / -self.sway.J.item(0)
+        return of_outputs
 
 
 class Motion(NamedTuple):
@@ -119,28 +132,24 @@ class StanceDynamics(NamedTuple):
         c += a
         return Motion(c, forces)
 
-    def along_residuals(self, targets: Targets, a_0: float, T_0: float) -> tuple[FloatArray, FloatArray]:
-        """(4, 4) and (7, 4) derivatives of ddq and the forces with respect to the residuals of a motion.
+    def along_residuals(self, targets: Targets, a_0: float, T_0: float) -> FloatArray:
+        """(4, 4) derivative of ddq with respect to the residuals of a motion; times M[:, 3:], of the forces.
 
         Args:
             targets: that the residuals are of; only the slope h_d' and the FRI target matter.
             a_0: unit of the outputs' residuals [rad/s^2].
             T_0: unit of the FRI's [N m].
         """
-        M, p_fri = self.M[:, BASE:], targets.p_fri
-        c, k = targets.line()[1], np.empty(JOINTS)
-        m = M[F_V] * -p_fri
-        m += M[N_0]
-        of_outputs = _OF_OUTPUTS
-        if targets.sway is not None:
-            of_outputs = of_outputs.copy()
-            of_outputs[0, :FRI] = -targets.sway.J[1:] / targets.sway.J.item(0)
-        np.multiply(m.dot(of_outputs)[:FRI], -a_0, out=k[:FRI])
+        m = self.M[F_V, BASE:] * -targets.p_fri
+        m += self.M[N_0, BASE:]
+        c, of_outputs = targets.slope(), a_0 * targets.of_outputs()
+        k = m.dot(of_outputs)
+        k *= -1.0
         k[FRI] = T_0
         k /= m.dot(c)
-        ddq = c[:, None] * k
-        ddq += a_0 * of_outputs
-        return ddq, M.dot(ddq)
+        along = np.multiply.outer(c, k)
+        along += of_outputs
+        return along
 
     def sway(self, value: float, mass: float) -> Sway:
         """The sway, from what is known of the momentum.
@@ -171,9 +180,10 @@ class StanceModel:
         self._model = biped.floating
         self._data = biped.floating.createData()
         self._q, self._dq = np.zeros(BASE + JOINTS), np.zeros(BASE + JOINTS)
+        self._joints, self._rates = self._q[BASE:], self._dq[BASE:]
 
     def at(self, state: State) -> StanceDynamics:
         """The dynamics at a state."""
-        self._q[BASE:], self._dq[BASE:] = state
+        self._joints[:], self._rates[:] = state
         M = pin.crba(self._model, self._data, self._q)
         return StanceDynamics(state, M, pin.nonLinearEffects(self._model, self._data, self._q, self._dq))

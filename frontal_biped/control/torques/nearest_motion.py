@@ -21,11 +21,13 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.linalg.lapack import dposv
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.torques.linearisation import BODY_JOINTS, FRI, Motion, StanceDynamics, Targets
-from frontal_biped.control.torques.relaxation import least_overstepping, weights
+from frontal_biped.control.torques.linearisation import BODY_JOINTS, FRI, JOINTS, Motion, StanceDynamics, Targets
+from frontal_biped.control.torques.relaxation import Overstepping, weights
 from frontal_biped.control.torques.walking_qp import DDQ, FORCE, OUTPUT_ACCELERATION, VARIABLES, U, WalkingQp
+from frontal_biped.model.biped import BASE
 from frontal_biped.model.state import State
 from frontal_biped.numerics.least_distance import NoFeasiblePointError, UndecidedError, nearest_point
 from frontal_biped.numerics.quadratic_program import UNBOUNDED
@@ -56,24 +58,37 @@ class NearestMotion:
 
     Args:
         qp: the program; its limits are used, and its units.
+
+    Attributes:
+        joints: limits of the joints' motion, or None.
+        torque_unit: of the FRI's residual, T_0 [N m].
+        of_forces: (k, 7) rows of the limits, in the units of the program, of the forces.
+        of_ddq: (k, 4) of the accelerations.
+        fixed: lower bounds of those of them that are the same at every tick; the joints' come behind.
     """
 
     def __init__(self, qp: WalkingQp) -> None:
-        self._joints, self._price, self._torque_unit = qp.limits.joints, qp.price, qp.torque_unit
+        self.joints, self._price, self.torque_unit = qp.limits.joints, qp.price, qp.torque_unit
         contact, torque, *_ = qp.rows
         fixed = slice(contact.start, torque.stop)  # of the program's rows those that are the same at every tick
         program, weight = qp.fixed, weights(qp.rows)
         C = program.C[fixed, :VARIABLES] / qp.scale
         below, above = program.l[fixed] > -UNBOUNDED, program.u[fixed] < UNBOUNDED
-        rows = np.concatenate([C[below], -C[above]])
-        self._least = np.concatenate([program.l[fixed][below], -program.u[fixed][above]])
-        self._of_ddq = rows[:, DDQ]
-        of_moment = np.zeros((len(rows), 1))  # none: N_0 is not a variable of the program
-        self._of_forces = np.concatenate([rows[:, FORCE], of_moment, rows[:, U]], axis=1)
-        self._weights = np.concatenate([weight[fixed][below], weight[fixed][above]])
-        if self._joints is not None:
-            limited = weight[qp.rows.joint][self._joints.limited]
-            self._weights = np.concatenate([self._weights, limited, limited])
+        rows = [C[below], -C[above]]
+        least, weight_of = [program.l[fixed][below], -program.u[fixed][above]], [weight[fixed][below]]
+        weight_of.append(weight[fixed][above])
+        if self.joints is not None:
+            limited = self.joints.limited
+            joint = np.zeros((len(limited), VARIABLES))
+            joint[:, DDQ] = np.eye(JOINTS)[limited] / OUTPUT_ACCELERATION
+            rows += [joint, -joint]
+            weight_of += 2 * [weight[qp.rows.joint][limited]]
+            self._limited = np.concatenate([limited, JOINTS + limited])
+        all_rows = np.concatenate(rows)
+        self.fixed, self.of_ddq = np.concatenate(least), np.ascontiguousarray(all_rows[:, DDQ])
+        of_moment = np.zeros((len(all_rows), 1))  # none: N_0 is not a variable of the program
+        self.of_forces = np.concatenate([all_rows[:, FORCE], of_moment, all_rows[:, U]], axis=1)
+        self._overstepping = Overstepping(np.concatenate(weight_of))
 
     def solve(self, dynamics: StanceDynamics, targets: Targets, linearising: Motion) -> Nearest | None:
         """The optimum at the state of the dynamics.
@@ -88,15 +103,19 @@ class NearestMotion:
         origin = linearising
         if targets.decrease is not None:  # from v = 0
             origin = dynamics.linearising(targets._replace(ddy=np.zeros(BODY_JOINTS))) or linearising
-        along, forces_along = dynamics.along_residuals(targets, OUTPUT_ACCELERATION, self._torque_unit)
-        G, h = self._limits(dynamics.state, origin, along, forces_along)
-        if not isfinite(h.sum() + G.sum()):
+        along = dynamics.along_residuals(targets, OUTPUT_ACCELERATION, self.torque_unit)
+        G, h = self._limits(dynamics, origin, along)
+        if not isfinite(h.dot(h) + np.vdot(along, along)):
             return None
         try:
             r, delta, violation = self._optimum_or_nearest(G, h, targets)
         except NoFeasiblePointError:
             return None
-        return Nearest(Motion(origin.ddq + along.dot(r), origin.forces + forces_along.dot(r)), delta, violation)
+        ddq = along.dot(r)
+        forces = dynamics.M[:, BASE:].dot(ddq)
+        ddq += origin.ddq
+        forces += origin.forces
+        return Nearest(Motion(ddq, forces), delta, violation)
 
     def _optimum_or_nearest(self, G: FloatArray, h: FloatArray, targets: Targets) -> tuple[FloatArray, float, float]:
         """Residuals (4,), delta [rad/s^2] and violation [-]: with the limits as they are, or giving way as they must.
@@ -110,23 +129,26 @@ class NearestMotion:
             raise
         except NoFeasiblePointError:
             r, delta = self._optimum(G, h - self._least_overstepping(G, h, targets), targets)
-            return r, delta, max(0.0, (h - G.dot(r)).max().item())
+            return r, delta, max(0.0, _largest(h - G.dot(r)))
 
-    def _limits(
-        self, state: State, origin: Motion, along: FloatArray, forces_along: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def _limits(self, dynamics: StanceDynamics, origin: Motion, along: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Rows G r >= h of all limits, G (k, 4), h (k,)."""
-        G = self._of_forces.dot(forces_along)
-        G += self._of_ddq.dot(along)
-        h = self._least - self._of_forces.dot(origin.forces)
-        h -= self._of_ddq.dot(origin.ddq)
-        if self._joints is None:
-            return G, h
-        limited = self._joints.limited
-        lower, upper = self._joints.bounds(state)
-        ddq, joint = origin.ddq[limited], along[limited] / OUTPUT_ACCELERATION
-        bounds = np.concatenate([lower[limited] - ddq, ddq - upper[limited]]) / OUTPUT_ACCELERATION
-        return np.concatenate([G, joint, -joint]), np.concatenate([h, np.maximum(bounds, NEVER)])
+        of_motion = self.of_forces.dot(dynamics.M[:, BASE:])  # by ddq, through the forces it takes and by itself
+        of_motion += self.of_ddq
+        h = self._least(dynamics.state) - self.of_forces.dot(origin.forces)
+        h -= self.of_ddq.dot(origin.ddq)
+        if self.joints is not None:
+            np.maximum(h, NEVER, out=h)
+        return of_motion.dot(along), h
+
+    def _least(self, state: State) -> FloatArray:
+        """(k,) lower bounds of the rows at a state; -inf of a joint without a limit on that side."""
+        if self.joints is None:
+            return self.fixed
+        lower, upper = self.joints.bounds(state)
+        bounds = np.concatenate([lower, -upper]).take(self._limited)
+        bounds /= OUTPUT_ACCELERATION
+        return np.concatenate([self.fixed, bounds])
 
     def _optimum(self, G: FloatArray, h: FloatArray, targets: Targets) -> tuple[FloatArray, float]:
         """Residuals (4,) and delta [rad/s^2] of the optimum under G r >= h.
@@ -160,7 +182,7 @@ class NearestMotion:
         """
         if targets.decrease is not None:
             h = h - G[:, :FRI].dot(targets.ddy) / OUTPUT_ACCELERATION
-        return least_overstepping(G, h, self._weights, _distance(G, h))
+        return self._overstepping.least(G, h, _distance(G, h))
 
 
 def _nearest(G: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -173,21 +195,41 @@ def _nearest(G: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
         UndecidedError: it is not known to rounding.
     """
     unit = _distance(G, h)
-    multipliers = unit * nearest_point(G.T, h / unit)
+    multipliers = nearest_point(G.T, h / unit)
+    multipliers *= unit
     r = multipliers.dot(G)
     active = multipliers.nonzero()[0]
-    room = G.dot(r) - h
-    if _missed(room, active) > EXACT:
-        r -= np.linalg.lstsq(G[active], room[active], rcond=None)[0]
+    room = G.dot(r)
+    room -= h
+    for shortest in (_by_normal_equations, _by_least_squares):  # the second is sought where the first is too rough
+        if _missed(room, active) <= EXACT:
+            return r, multipliers
+        r -= shortest(G.take(active, 0), room.take(active))
         room = G.dot(r) - h
-        if _missed(room, active) > EXACT:
-            raise UndecidedError("the active rows are met to rounding only")
+    if _missed(room, active) > EXACT:
+        raise UndecidedError("the active rows are met to rounding only")
     return r, multipliers
+
+
+def _by_normal_equations(rows: FloatArray, values: FloatArray) -> FloatArray:
+    """Shortest d (4,) with rows d = values; zero where the rows are dependent."""
+    _, weights, failed = dposv(rows.dot(rows.T), values)
+    return np.zeros(rows.shape[1]) if failed else np.asarray(weights.dot(rows))
+
+
+def _by_least_squares(rows: FloatArray, values: FloatArray) -> FloatArray:
+    """The same by singular values: slower, for rows however nearly dependent."""
+    return np.asarray(np.linalg.lstsq(rows, values, rcond=None)[0], dtype=float)
 
 
 def _missed(room: FloatArray, active: npt.NDArray[np.intp]) -> float:
     """By how much G r - h is negative anywhere, or not zero where a row is active."""
-    return max(-room.min().item(), room[active].max(initial=0.0).item())
+    return max(_largest(-room), _largest(room.take(active)) if active.size else 0.0)
+
+
+def _largest(values: FloatArray) -> float:
+    """Of a handful of numbers; NumPy's own `max` takes four times as long to begin."""
+    return values.item(values.argmax())
 
 
 def _distance(G: FloatArray, h: FloatArray) -> float:

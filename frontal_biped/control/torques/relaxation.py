@@ -11,13 +11,14 @@ footing, then its joints. w_t only makes the answer unique: last comes the gait.
 solved, its limits moved by s. Both torques and overstepping are continuous where a program begins to have no solution,
 as s is zero there; torques that jump would make a robot chatter along that border.
 
-The same problem in two shapes: as a least distance in the residuals of the targets (`least_overstepping`, to rounding),
+The same problem in two shapes: as a least distance in the residuals of the targets (`Overstepping`, to rounding),
 and as a quadratic program for ProxQP (`relaxed`, `widened`). Weights, order and room are those below in both.
 """
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.torques.linearisation import JOINTS
 from frontal_biped.control.torques.walking_qp import Rows
 from frontal_biped.numerics.least_distance import nearest_point
 from frontal_biped.numerics.quadratic_program import QuadraticProgram
@@ -43,25 +44,36 @@ def weights(rows: Rows) -> FloatArray:
     return weight
 
 
-def least_overstepping(G: FloatArray, h: FloatArray, weight: FloatArray, unit: float) -> FloatArray:
-    """(k,) by how much rows G r >= h give way, a little more than they must; the cost is |r|^2 / 2.
+class Overstepping:
+    """The least overstepping of rows G r >= h, to rounding; the cost of the task is |r|^2 / 2, r (4,).
 
     Args:
-        G: (k, 4).
-        h: (k,).
-        weight: (k,) of the rows.
-        unit: size of r in which the cost is measured [-], as the walking program's is in units of its own size.
-
-    Raises:
-        NoFeasiblePointError: rounding makes it look as if motors had to give way too.
+        weight: (k,) of the rows; inf: it never gives way.
     """
-    soft, n = np.flatnonzero(np.isfinite(weight)), G.shape[1]
-    rows = np.zeros((n + len(soft), len(h)))
-    rows[:n] = G.T * (unit / TASK_WEIGHT**0.5)
-    rows[n + np.arange(len(soft)), soft] = weight[soft] ** -0.5
-    s = nearest_point(rows, h) / weight
-    s[soft] += _room(s)
-    return s
+
+    def __init__(self, weight: FloatArray) -> None:
+        soft = np.flatnonzero(np.isfinite(weight))
+        self._weight, self._gives_way = weight, np.isfinite(weight).astype(float)
+        self._rows = np.zeros((JOINTS + len(soft), len(weight)))
+        self._rows[JOINTS + np.arange(len(soft)), soft] = weight[soft] ** -0.5
+
+    def least(self, G: FloatArray, h: FloatArray, unit: float) -> FloatArray:
+        """(k,) by how much the rows give way, a little more than they must.
+
+        Args:
+            G: (k, 4).
+            h: (k,).
+            unit: size of r in which the cost is measured [-], as the walking program's is in units of its own size.
+
+        Raises:
+            NoFeasiblePointError: rounding makes it look as if motors had to give way too.
+        """
+        rows = self._rows.copy()
+        np.multiply(G.T, unit / TASK_WEIGHT**0.5, out=rows[:JOINTS])
+        s = nearest_point(rows, h)
+        s /= self._weight
+        s += _room(s) * self._gives_way
+        return s
 
 
 def relaxed(original: QuadraticProgram, weight: FloatArray) -> QuadraticProgram:

@@ -12,6 +12,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.settings import ControllerSettings
+from frontal_biped.control.torques.few_rows import FewRows, compiled
 from frontal_biped.control.torques.limits import WalkingLimits
 from frontal_biped.control.torques.linearisation import StanceDynamics, StanceModel, Targets
 from frontal_biped.control.torques.nearest_motion import NearestMotion
@@ -75,9 +76,11 @@ class TorqueProgram:
     def __init__(self, biped: FrontalBiped, settings: ControllerSettings) -> None:
         price = settings.relaxation_price if settings.outputs == "clf" else None
         self.qp = WalkingQp(biped, WalkingLimits.of(biped, settings), price)
+        self._least_torque = -self.qp.limits.contact.max_torque
         self._stance = StanceModel(biped)
-        self._exact = settings.solver == "exact"
+        self._exact = settings.solver != "proxqp"
         self._nearest = NearestMotion(self.qp)
+        self._few_rows = FewRows(self._nearest, compiled()) if settings.solver == "compiled" else None
         self._solver = ProxQpSolver(settings.accuracy, settings.max_iterations, penalty_parameter=PENALTY_PARAMETER)
         self._relaxed_solver = ProxQpSolver(RELAXED_ACCURACY, settings.max_iterations, relative=RELAXED_ACCURACY)
         self._was_active = False
@@ -97,6 +100,11 @@ class TorqueProgram:
 
     def _exactly(self, dynamics: StanceDynamics, targets: Targets) -> Answer | None:
         """The answer to rounding; None where that cannot be had."""
+        few = None if self._few_rows is None else self._few_rows.solve(dynamics, targets)
+        if few is not None:
+            (ddq, forces), limited = few
+            source = Source.PROGRAM if limited else Source.CLOSED_FORM
+            return Answer(source, self._clipped(forces[BASE:]), ddq, forces[:FORCES])
         motion = dynamics.linearising(targets)
         if motion is None:
             return None
@@ -114,8 +122,7 @@ class TorqueProgram:
 
     def _clipped(self, u: FloatArray) -> FloatArray:
         """The torques within the motors' limits to the last digit, whatever the tolerance they were found to."""
-        most = self.qp.limits.contact.max_torque
-        return np.minimum(np.maximum(u, -most), most)
+        return np.minimum(np.maximum(u, self._least_torque), self.qp.limits.contact.max_torque)
 
     def _by_proxqp(self, dynamics: StanceDynamics, targets: Targets) -> Answer | None:
         """ProxQP's answer, of the relaxed program where it finds none; None where it finds neither."""
