@@ -9,6 +9,7 @@ in one call the ground reaction (F_h, F_v), its moment N_0 about the ground poin
 """
 
 from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
 from frontal_biped.files.shown import ShownAsPage
 from frontal_biped.model.chain import GRAVITY, UPRIGHT
+from frontal_biped.model.many_states import ManyStates
 from frontal_biped.model.robot import Robot
 from frontal_biped.model.urdf.reduction import FrontalReduction, reduce_to_frontal_plane
 
@@ -28,7 +30,8 @@ class FrontalBiped(ShownAsPage):
     """A robot in its frontal plane, in stance coordinates q = (stance ankle, stance hip, swing hip, swing ankle).
 
     All angles in rad, frame (h, v): h horizontal from the stance foot towards the swing foot, v up, origin on the
-    ground below the stance ankle. Instances own Pinocchio work data and are not thread-safe.
+    ground below the stance ankle. Instances own Pinocchio work data and are not thread-safe; what they return is the
+    caller's own, for Pinocchio hands out copies.
 
     Args:
         robot: the whole robot of which this is the view from the front.
@@ -161,25 +164,30 @@ class FrontalBiped(ShownAsPage):
         return float(np.linalg.norm(self.chain.joints[2] - self.chain.joints[1]))
 
     # ------------------------------------------------------------------ pinned dynamics
+    @cached_property
+    def many(self) -> ManyStates:
+        """The same dynamics at many states in one call."""
+        return ManyStates(self.pinned, self.floating)
+
     def D(self, q: FloatArray) -> FloatArray:
         """(4, 4) mass matrix [kg m^2]."""
-        return pin.crba(self.pinned, self._data, q).copy()
+        return pin.crba(self.pinned, self._data, q)
 
     def C(self, q: FloatArray, dq: FloatArray) -> FloatArray:
         """(4, 4) Coriolis matrix with dD/dt - 2 C skew [kg m^2/s]."""
-        return pin.computeCoriolisMatrix(self.pinned, self._data, q, dq).copy()
+        return pin.computeCoriolisMatrix(self.pinned, self._data, q, dq)
 
     def G(self, q: FloatArray) -> FloatArray:
         """(4,) gravity torques [N m]."""
-        return pin.computeGeneralizedGravity(self.pinned, self._data, q).copy()
+        return pin.computeGeneralizedGravity(self.pinned, self._data, q)
 
     def bias(self, q: FloatArray, dq: FloatArray) -> FloatArray:
         """(4,) C(q, dq) dq + G(q) [N m]."""
-        return pin.nonLinearEffects(self.pinned, self._data, q, dq).copy()
+        return pin.nonLinearEffects(self.pinned, self._data, q, dq)
 
     def forward_dynamics(self, q: FloatArray, dq: FloatArray, u: FloatArray) -> FloatArray:
         """(4,) ddq [rad/s^2] under the torques u (4,) [N m], stance foot held."""
-        return pin.aba(self.pinned, self._data, q, dq, u).copy()
+        return pin.aba(self.pinned, self._data, q, dq, u)
 
     def inverse_dynamics(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> FloatArray:
         """(7,) rows F_h, F_v [N], N_0 [N m], u_1..u_4 [N m] of a motion with the stance foot at rest.
@@ -187,7 +195,7 @@ class FrontalBiped(ShownAsPage):
         N_0 is the moment of the ground reaction about the ground point below the stance ankle.
         """
         self._q[BASE:], self._dq[BASE:], self._ddq[BASE:] = q, dq, ddq
-        return pin.rnea(self.floating, self._floating_data, self._q, self._dq, self._ddq).copy()
+        return pin.rnea(self.floating, self._floating_data, self._q, self._dq, self._ddq)
 
     def momentum_map(self, q: FloatArray) -> FloatArray:
         """(7, 4) matrix from dq to m dp_cm_h, m dp_cm_v, sigma_0 and the joint momenta."""
@@ -197,7 +205,7 @@ class FrontalBiped(ShownAsPage):
     def floating_mass_matrix(self, q: FloatArray) -> FloatArray:
         """(7, 7) mass matrix with the stance foot free."""
         self._q[BASE:] = q
-        return pin.crba(self.floating, self._floating_data, self._q).copy()
+        return pin.crba(self.floating, self._floating_data, self._q)
 
     def energy(self, q: FloatArray, dq: FloatArray) -> float:
         """Kinetic plus potential energy, the stance foot's constant share included [J]."""
@@ -208,7 +216,7 @@ class FrontalBiped(ShownAsPage):
     def com(self, q: FloatArray) -> FloatArray:
         """(2,) centre of mass of the whole robot in (h, v) [m]."""
         self._q[BASE:] = q
-        return pin.centerOfMass(self.floating, self._floating_data, self._q)[:2].copy()
+        return pin.centerOfMass(self.floating, self._floating_data, self._q)[:2]
 
     def com_velocity(self, q: FloatArray, dq: FloatArray) -> FloatArray:
         """(2,) velocity of the centre of mass [m/s]."""

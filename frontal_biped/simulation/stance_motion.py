@@ -32,6 +32,18 @@ class Reaction(NamedTuple):
         return abs(self.F_h) / self.F_v if self.F_v > 0.0 else float("inf")
 
 
+class Reactions(NamedTuple):
+    """What the ground does to the stance foot at many states.
+
+    Attributes:
+        force: (m, 2) F_h, F_v [N].
+        p_fri: (m,) where it acts, from the ankle [m]; nan where it carries nothing.
+    """
+
+    force: FloatArray
+    p_fri: FloatArray
+
+
 class StanceMotion:
     """The robot on one foot under held torques and pushes.
 
@@ -70,6 +82,13 @@ class StanceMotion:
             F_h -= force
             N_0 += force * self._pelvis.height(q, height)
         return Reaction(float(F_h), float(F_v), float(N_0 / F_v))
+
+    def reactions(self, states: State, u: FloatArray) -> Reactions:
+        """Ground reactions at q, dq (m, 4) under torques u (m, 4) [N m] and no push."""
+        ddq = self.biped.many.forward_dynamics(*states, u)
+        forces = self.biped.many.inverse_dynamics(*states, ddq)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return Reactions(forces[:, :2], forces[:, 2] / forces[:, 1])
 
     def advance(self, state: State, h: float) -> State:
         """State after h [s], by a Runge-Kutta step of order 4."""
