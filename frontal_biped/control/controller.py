@@ -11,7 +11,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.control.interface import Commands
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers.transitions import FixedTransitions, ReanchoringTransitions, Stabiliser
-from frontal_biped.control.torques.linearisation import BODY_JOINTS, JOINTS, Targets
+from frontal_biped.control.torques.linearisation import BODY_JOINTS, JOINTS, StanceDynamics, Targets
 from frontal_biped.control.torques.linearising_many import keep_all, linearising_motions
 from frontal_biped.control.torques.lyapunov import LyapunovFunction, least_acceleration
 from frontal_biped.control.torques.torque_program import Source, TorqueProgram
@@ -169,9 +169,17 @@ class QpController:
             outer, inner = self.biped.sole
             shifted = min(max(targets.p_fri + fri_shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
             targets = targets._replace(p_fri=shifted)
-        return self.follow(phase, state, targets, y, dy)
+        return self._answered(phase, state, targets, y, dy)
 
-    def follow(self, phase: StepPhase, state: State, targets: Targets, y: FloatArray, dy: FloatArray) -> Command:
+    def follow(
+        self,
+        phase: StepPhase,
+        state: State,
+        targets: Targets,
+        y: FloatArray,
+        dy: FloatArray,
+        dynamics: StanceDynamics | None = None,
+    ) -> Command:
         """Torques for targets at a state, wherever the targets come from.
 
         Args:
@@ -180,10 +188,23 @@ class QpController:
             targets: what is asked of it.
             y: (3,) output that they are for [rad].
             dy: (3,) its rate [rad/s].
+            dynamics: at the state, where they are known already.
         """
         if not isfinite(state.q.dot(state.q) + state.dq.dot(state.dq)):
             return self._counted(self._held(), phase, state, "the state is not finite")
-        answer = self.program.solve(state, targets)
+        return self._answered(phase, state, targets, y, dy, dynamics)
+
+    def _answered(
+        self,
+        phase: StepPhase,
+        state: State,
+        targets: Targets,
+        y: FloatArray,
+        dy: FloatArray,
+        dynamics: StanceDynamics | None = None,
+    ) -> Command:
+        """The program's answer at a finite state."""
+        answer = self.program.solve(state, targets, dynamics)
         if answer is None:
             return self._counted(self._held(y, dy, targets.p_fri), phase, state, "the relaxed program is not solved")
         source, u, ddq, force, violation, delta = answer
@@ -242,7 +263,7 @@ class QpController:
         if self.lyapunov is None:
             ddy = dy * -self._kd
             ddy -= y * self._kp
-            targets = Targets(h_d1, h_d2 * rate**2, ddy, p_fri)
+            targets = Targets(h_d1, h_d2 * (rate * rate), ddy, p_fri)
         else:
             decrease = self.lyapunov.decrease(y, dy)
             ddy, delta = least_acceleration(decrease, self._price)

@@ -11,6 +11,7 @@ in one call the ground reaction (F_h, F_v), its moment N_0 about the ground poin
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -24,6 +25,22 @@ from frontal_biped.model.robot import Robot
 from frontal_biped.model.urdf.reduction import FrontalReduction, reduce_to_frontal_plane
 
 BASE = 3  # freedoms of the stance foot in the floating model
+
+
+class Posture(NamedTuple):
+    """Where the centre of mass and the swing sole are, in (h, v).
+
+    Attributes:
+        com_h: centre of mass, from the stance ankle [m].
+        com_v: its height above the ground under the stance foot [m].
+        inner_v: height of the inner end of the swing sole above that ground [m].
+        outer_v: height of its outer end [m].
+    """
+
+    com_h: float
+    com_v: float
+    inner_v: float
+    outer_v: float
 
 
 class FrontalBiped(ShownAsPage):
@@ -60,7 +77,12 @@ class FrontalBiped(ShownAsPage):
         self.floating = self.chain.floating_model()
         self._data = self.pinned.createData()
         self._floating_data = self.floating.createData()
-        self._sole_frames = [self.pinned.getFrameId(f"swing_sole_{end}") for end in ("inner", "outer")]
+        ends = [f"swing_sole_{end}" for end in ("inner", "outer")]
+        self._sole_frames = [self.pinned.getFrameId(end) for end in ends]
+        self._floating_sole_frames = [self.floating.getFrameId(end) for end in ends]
+        # views of Pinocchio's work data: reading them costs a tenth of asking for them
+        self._sole_ends = [self._data.oMf[frame].translation for frame in self._sole_frames]
+        self._floating_sole_ends = [self._floating_data.oMf[frame].translation for frame in self._floating_sole_frames]
         self._q = np.zeros(self.floating.nv)
         self._dq = np.zeros(self.floating.nv)
         self._ddq = np.zeros(self.floating.nv)
@@ -268,12 +290,23 @@ class FrontalBiped(ShownAsPage):
     def swing_sole(self, q: FloatArray) -> FloatArray:
         """(2, 2) inner and outer end of the swing sole in (h, v) [m]."""
         pin.framesForwardKinematics(self.pinned, self._data, q)
-        return np.array([self._data.oMf[frame].translation[:2] for frame in self._sole_frames])
+        return np.array([end[:2] for end in self._sole_ends])
 
     def swing_clearance(self, q: FloatArray) -> float:
         """Height of the lowest point of the swing sole above the ground under the stance foot [m]."""
         pin.framesForwardKinematics(self.pinned, self._data, q)
-        return min(self._data.oMf[frame].translation.item(1) for frame in self._sole_frames)
+        inner, outer = self._sole_ends
+        return min(inner.item(1), outer.item(1))
+
+    def posture(self, q: FloatArray) -> Posture:
+        """What tells events apart, from one pass over the kinematics."""
+        self._q[BASE:] = q
+        model, data = self.floating, self._floating_data
+        com = pin.centerOfMass(model, data, self._q)
+        for frame in self._floating_sole_frames:
+            pin.updateFramePlacement(model, data, frame)
+        inner, outer = self._floating_sole_ends
+        return Posture(com.item(0), com.item(1), inner.item(1), outer.item(1))
 
     def swing_sole_jacobian(self, q: FloatArray) -> FloatArray:
         """(2, 2, 4) derivative of `swing_sole` with respect to q: [end, (h, v), joint] [m/rad]."""
