@@ -8,15 +8,17 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.interface import Commands
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers.transitions import FixedTransitions, ReanchoringTransitions, Stabiliser
-from frontal_biped.control.torques.linearisation import BODY_JOINTS, JOINTS, Targets
+from frontal_biped.control.torques.linearisation import BODY_JOINTS, JOINTS, StanceDynamics, Targets
+from frontal_biped.control.torques.linearising_many import keep_all, linearising_motions
 from frontal_biped.control.torques.lyapunov import LyapunovFunction, least_acceleration
 from frontal_biped.control.torques.torque_program import Source, TorqueProgram
 from frontal_biped.control.torques.walking_qp import FORCES, OUTPUT_ACCELERATION
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait.planned_step import PlannedStep
-from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.biped import BASE, FrontalBiped
 from frontal_biped.model.state import State
 from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
 from frontal_biped.virtual_constraints.phase import StepPhase
@@ -167,9 +169,17 @@ class QpController:
             outer, inner = self.biped.sole
             shifted = min(max(targets.p_fri + fri_shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
             targets = targets._replace(p_fri=shifted)
-        return self.follow(phase, state, targets, y, dy)
+        return self._answered(phase, state, targets, y, dy)
 
-    def follow(self, phase: StepPhase, state: State, targets: Targets, y: FloatArray, dy: FloatArray) -> Command:
+    def follow(
+        self,
+        phase: StepPhase,
+        state: State,
+        targets: Targets,
+        y: FloatArray,
+        dy: FloatArray,
+        dynamics: StanceDynamics | None = None,
+    ) -> Command:
         """Torques for targets at a state, wherever the targets come from.
 
         Args:
@@ -178,10 +188,23 @@ class QpController:
             targets: what is asked of it.
             y: (3,) output that they are for [rad].
             dy: (3,) its rate [rad/s].
+            dynamics: at the state, where they are known already.
         """
         if not isfinite(state.q.dot(state.q) + state.dq.dot(state.dq)):
             return self._counted(self._held(), phase, state, "the state is not finite")
-        answer = self.program.solve(state, targets)
+        return self._answered(phase, state, targets, y, dy, dynamics)
+
+    def _answered(
+        self,
+        phase: StepPhase,
+        state: State,
+        targets: Targets,
+        y: FloatArray,
+        dy: FloatArray,
+        dynamics: StanceDynamics | None = None,
+    ) -> Command:
+        """The program's answer at a finite state."""
+        answer = self.program.solve(state, targets, dynamics)
         if answer is None:
             return self._counted(self._held(y, dy, targets.p_fri), phase, state, "the relaxed program is not solved")
         source, u, ddq, force, violation, delta = answer
@@ -191,6 +214,31 @@ class QpController:
             return self._counted(command, phase, state, f"limits overstepped by up to {violation:.2e}")
         self.counts[source] += 1
         return command
+
+    def commands(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> Commands | None:
+        """Torques at many states, the same as of `command` for each of them, to rounding.
+
+        Args:
+            phase: rising or falling.
+            q: (m, 4) stance coordinates [rad].
+            dq: (m, 4) their rates [rad/s].
+
+        Returns:
+            The answers; None unless all of them are known in closed form: ask for them one by one.
+        """
+        if self.lyapunov is not None or self.settings.solver != "exact" or not isfinite((q * q + dq * dq).sum()):
+            return None
+        wanted = self._phases[phase].motion(q[:, 0])
+        y, dy = q[:, 1:] - wanted.q[:, 1:], dq[:, 1:] - wanted.dq[:, 1:] * dq[:, :1]
+        states = State(q, dq)
+        motions = linearising_motions(self.biped, states, wanted, -self._kd * dy - self._kp * y)
+        if not keep_all(self.program.qp.limits, states, motions):
+            return None
+        self.counts[Source.CLOSED_FORM] += len(q)
+        ddq, forces, p_fri = motions.ddq, motions.forces, wanted.p_fri
+        last = (forces[-1, BASE:], ddq[-1], forces[-1, :FORCES], y[-1], dy[-1], p_fri.item(-1))
+        self._last = Command(*last, Source.CLOSED_FORM)
+        return Commands(forces[:, BASE:], y, p_fri)
 
     def _counted(self, command: Command, phase: StepPhase, state: State, why: str) -> Command:
         """A command that is not the program's own solution, counted and logged."""
@@ -215,7 +263,7 @@ class QpController:
         if self.lyapunov is None:
             ddy = dy * -self._kd
             ddy -= y * self._kp
-            targets = Targets(h_d1, h_d2 * rate**2, ddy, p_fri)
+            targets = Targets(h_d1, h_d2 * (rate * rate), ddy, p_fri)
         else:
             decrease = self.lyapunov.decrease(y, dy)
             ddy, delta = least_acceleration(decrease, self._price)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol
+from typing import NamedTuple, Protocol, cast
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.stance_map import Stance
@@ -121,3 +121,34 @@ class Controller(Protocol):
 
     def command(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> Command:
         """Command at q (4,) [rad], dq (4,) [rad/s]."""
+
+
+class Commands(NamedTuple):
+    """Answers to many states.
+
+    Attributes:
+        u: (m, 4) torques [N m].
+        y: (m, 3) output errors [rad].
+        p_fri_target: (m,) wanted FRI [m].
+    """
+
+    u: FloatArray
+    y: FloatArray
+    p_fri_target: FloatArray
+
+
+class ManyAtOnce(Controller, Protocol):
+    """A controller that can also answer many states in one call, which is far cheaper."""
+
+    def commands(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> Commands | None:
+        """What `command` answers at q (m, 4) [rad], dq (m, 4) [rad/s]; None: ask one by one."""
+
+
+def many_at_once(controller: Controller) -> ManyAtOnce | None:
+    """The controller, if it answers many states at once as it answers one.
+
+    That is what the class says that defines both methods; of a subclass, or where ``command`` has been replaced on the
+    object itself, nobody knows.
+    """
+    replaced = "command" in getattr(controller, "__dict__", ())
+    return cast("ManyAtOnce", controller) if "commands" in vars(type(controller)) and not replaced else None

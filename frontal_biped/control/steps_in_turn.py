@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.controller import Command, QpController
+from frontal_biped.control.interface import Commands
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 TURNING = 1e-6
@@ -37,3 +38,7 @@ class StepsInTurn:
     def command(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> Command:
         """Command at q (4,) [rad], dq (4,) [rad/s]."""
         return self.controller.command(phase, q, dq)
+
+    def commands(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> Commands | None:
+        """Commands at q (m, 4) [rad], dq (m, 4) [rad/s]; None: ask for them one by one."""
+        return self.controller.commands(phase, q, dq)

@@ -11,6 +11,7 @@ in one call the ground reaction (F_h, F_v), its moment N_0 about the ground poin
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -26,11 +27,28 @@ from frontal_biped.model.urdf.reduction import FrontalReduction, reduce_to_front
 BASE = 3  # freedoms of the stance foot in the floating model
 
 
+class Posture(NamedTuple):
+    """Where the centre of mass and the swing sole are, in (h, v).
+
+    Attributes:
+        com_h: centre of mass, from the stance ankle [m].
+        com_v: its height above the ground under the stance foot [m].
+        inner_v: height of the inner end of the swing sole above that ground [m].
+        outer_v: height of its outer end [m].
+    """
+
+    com_h: float
+    com_v: float
+    inner_v: float
+    outer_v: float
+
+
 class FrontalBiped(ShownAsPage):
     """A robot in its frontal plane, in stance coordinates q = (stance ankle, stance hip, swing hip, swing ankle).
 
     All angles in rad, frame (h, v): h horizontal from the stance foot towards the swing foot, v up, origin on the
-    ground below the stance ankle. Instances own Pinocchio work data and are not thread-safe.
+    ground below the stance ankle. Instances own Pinocchio work data and are not thread-safe; what they return is the
+    caller's own, for Pinocchio hands out copies.
 
     Args:
         robot: the whole robot of which this is the view from the front.
@@ -59,7 +77,12 @@ class FrontalBiped(ShownAsPage):
         self.floating = self.chain.floating_model()
         self._data = self.pinned.createData()
         self._floating_data = self.floating.createData()
-        self._sole_frames = [self.pinned.getFrameId(f"swing_sole_{end}") for end in ("inner", "outer")]
+        ends = [f"swing_sole_{end}" for end in ("inner", "outer")]
+        self._sole_frames = [self.pinned.getFrameId(end) for end in ends]
+        self._floating_sole_frames = [self.floating.getFrameId(end) for end in ends]
+        # views of Pinocchio's work data: reading them costs a tenth of asking for them
+        self._sole_ends = [self._data.oMf[frame].translation for frame in self._sole_frames]
+        self._floating_sole_ends = [self._floating_data.oMf[frame].translation for frame in self._floating_sole_frames]
         self._q = np.zeros(self.floating.nv)
         self._dq = np.zeros(self.floating.nv)
         self._ddq = np.zeros(self.floating.nv)
@@ -170,23 +193,23 @@ class FrontalBiped(ShownAsPage):
 
     def D(self, q: FloatArray) -> FloatArray:
         """(4, 4) mass matrix [kg m^2]."""
-        return pin.crba(self.pinned, self._data, q).copy()
+        return pin.crba(self.pinned, self._data, q)
 
     def C(self, q: FloatArray, dq: FloatArray) -> FloatArray:
         """(4, 4) Coriolis matrix with dD/dt - 2 C skew [kg m^2/s]."""
-        return pin.computeCoriolisMatrix(self.pinned, self._data, q, dq).copy()
+        return pin.computeCoriolisMatrix(self.pinned, self._data, q, dq)
 
     def G(self, q: FloatArray) -> FloatArray:
         """(4,) gravity torques [N m]."""
-        return pin.computeGeneralizedGravity(self.pinned, self._data, q).copy()
+        return pin.computeGeneralizedGravity(self.pinned, self._data, q)
 
     def bias(self, q: FloatArray, dq: FloatArray) -> FloatArray:
         """(4,) C(q, dq) dq + G(q) [N m]."""
-        return pin.nonLinearEffects(self.pinned, self._data, q, dq).copy()
+        return pin.nonLinearEffects(self.pinned, self._data, q, dq)
 
     def forward_dynamics(self, q: FloatArray, dq: FloatArray, u: FloatArray) -> FloatArray:
         """(4,) ddq [rad/s^2] under the torques u (4,) [N m], stance foot held."""
-        return pin.aba(self.pinned, self._data, q, dq, u).copy()
+        return pin.aba(self.pinned, self._data, q, dq, u)
 
     def inverse_dynamics(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> FloatArray:
         """(7,) rows F_h, F_v [N], N_0 [N m], u_1..u_4 [N m] of a motion with the stance foot at rest.
@@ -194,7 +217,7 @@ class FrontalBiped(ShownAsPage):
         N_0 is the moment of the ground reaction about the ground point below the stance ankle.
         """
         self._q[BASE:], self._dq[BASE:], self._ddq[BASE:] = q, dq, ddq
-        return pin.rnea(self.floating, self._floating_data, self._q, self._dq, self._ddq).copy()
+        return pin.rnea(self.floating, self._floating_data, self._q, self._dq, self._ddq)
 
     def momentum_map(self, q: FloatArray) -> FloatArray:
         """(7, 4) matrix from dq to m dp_cm_h, m dp_cm_v, sigma_0 and the joint momenta."""
@@ -204,7 +227,7 @@ class FrontalBiped(ShownAsPage):
     def floating_mass_matrix(self, q: FloatArray) -> FloatArray:
         """(7, 7) mass matrix with the stance foot free."""
         self._q[BASE:] = q
-        return pin.crba(self.floating, self._floating_data, self._q).copy()
+        return pin.crba(self.floating, self._floating_data, self._q)
 
     def energy(self, q: FloatArray, dq: FloatArray) -> float:
         """Kinetic plus potential energy, the stance foot's constant share included [J]."""
@@ -215,7 +238,7 @@ class FrontalBiped(ShownAsPage):
     def com(self, q: FloatArray) -> FloatArray:
         """(2,) centre of mass of the whole robot in (h, v) [m]."""
         self._q[BASE:] = q
-        return pin.centerOfMass(self.floating, self._floating_data, self._q)[:2].copy()
+        return pin.centerOfMass(self.floating, self._floating_data, self._q)[:2]
 
     def com_velocity(self, q: FloatArray, dq: FloatArray) -> FloatArray:
         """(2,) velocity of the centre of mass [m/s]."""
@@ -267,12 +290,23 @@ class FrontalBiped(ShownAsPage):
     def swing_sole(self, q: FloatArray) -> FloatArray:
         """(2, 2) inner and outer end of the swing sole in (h, v) [m]."""
         pin.framesForwardKinematics(self.pinned, self._data, q)
-        return np.array([self._data.oMf[frame].translation[:2] for frame in self._sole_frames])
+        return np.array([end[:2] for end in self._sole_ends])
 
     def swing_clearance(self, q: FloatArray) -> float:
         """Height of the lowest point of the swing sole above the ground under the stance foot [m]."""
         pin.framesForwardKinematics(self.pinned, self._data, q)
-        return min(self._data.oMf[frame].translation.item(1) for frame in self._sole_frames)
+        inner, outer = self._sole_ends
+        return min(inner.item(1), outer.item(1))
+
+    def posture(self, q: FloatArray) -> Posture:
+        """What tells events apart, from one pass over the kinematics."""
+        self._q[BASE:] = q
+        model, data = self.floating, self._floating_data
+        com = pin.centerOfMass(model, data, self._q)
+        for frame in self._floating_sole_frames:
+            pin.updateFramePlacement(model, data, frame)
+        inner, outer = self._floating_sole_ends
+        return Posture(com.item(0), com.item(1), inner.item(1), outer.item(1))
 
     def swing_sole_heights(self, q: FloatArray) -> FloatArray:
         """(2, n) heights of the inner and the outer end of the swing sole at q (n, 4) [m]."""

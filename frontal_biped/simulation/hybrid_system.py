@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.biped import FrontalBiped, Posture
 from frontal_biped.model.chain import UPRIGHT
 from frontal_biped.model.impact import Landing, impact
 
@@ -75,29 +75,31 @@ def walking_guards(biped: FrontalBiped, leaving: float = 0.0, landing: float = 0
     """
     upright_height = float(biped.com(np.full(4, UPRIGHT))[1])
     outer, _ = biped.sole
-    asked: list[FloatArray] = [np.empty(0), np.empty(0)]  # the last q and the centre of mass there
+    asked: list[tuple[FloatArray, Posture]] = []  # the last q, and the posture there
 
-    def com(q: FloatArray) -> FloatArray:
-        """Two guards ask for it at the same q."""
-        if asked[0] is not q:
-            asked[:] = q, biped.com(q)
-        return asked[1]
+    def posture(q: FloatArray) -> Posture:
+        """Three guards ask for it at the same q."""
+        if not asked or asked[0][0] is not q:
+            asked[:] = [(q, biped.posture(q))]
+        return asked[0][1]
 
     def speed(_: FloatArray, dq: FloatArray) -> float:
-        return float(dq[0])
+        return dq.item(0)
 
     def clearance(q: FloatArray, _: FloatArray) -> float:
-        return biped.swing_clearance(q) - landing
+        at = posture(q)
+        return min(at.inner_v, at.outer_v) - landing
 
     def grazing_clearance(q: FloatArray, _: FloatArray) -> float:
-        low, high = sorted(biped.swing_sole(q)[:, 1] - leaving)
-        return float(low) + GRAZE + LEAVING * min(max(2.0 - float(high) / (2.0 * LEAVING), 0.0), 1.0)
+        at = posture(q)
+        low, high = sorted((at.inner_v - leaving, at.outer_v - leaving))
+        return low + GRAZE + LEAVING * min(max(2.0 - high / (2.0 * LEAVING), 0.0), 1.0)
 
     def inside_outer_edge(q: FloatArray, _: FloatArray) -> float:
-        return float(com(q)[0]) - outer
+        return posture(q).com_h - outer
 
     def height(q: FloatArray, _: FloatArray) -> float:
-        return float(com(q)[1]) - LOWEST * upright_height
+        return posture(q).com_v - LOWEST * upright_height
 
     fallen = (
         Guard(EventKind.TIPPED_OUTWARDS, inside_outer_edge, -1),

@@ -1,6 +1,8 @@
 """What a sampled walk is measured by between two landings, on the plane or in space."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
+from math import dist
 
 import numpy as np
 
@@ -60,7 +62,7 @@ class StepMeter:
     def begin_step(self, t: float) -> None:
         """A step begins at time t [s]."""
         self.began = t
-        self._foot: FloatArray | None = None
+        self._foot: Sequence[float] | None = None
         self._slip = self._rotation = self._double = self._work = self._effort = 0.0
 
     def end_step(self) -> None:
@@ -75,19 +77,19 @@ class StepMeter:
     def drive(self, tau: FloatArray, rates: FloatArray) -> None:
         """Joint torques (n,) [N m] have acted for a period at rates (n,) [rad/s]."""
         h = self._period
-        self._work += h * float(np.abs(tau) @ np.abs(rates))
-        self._effort += h * float(tau @ tau)
+        self._work += h * np.abs(tau).dot(np.abs(rates)).item()
+        self._effort += h * tau.dot(tau).item()
 
     def stands(self, t: float, touching: tuple[bool, bool]) -> bool:
         """Count double support; does the stance foot stand alone and settled at time t [s]?"""
         self._double += self._period * all(touching)
         return t - self.began >= SETTLED and not all(touching)
 
-    def foot(self, position: FloatArray, rotation: float) -> None:
-        """A stance foot that stands is at a position on the ground (k,) [m], turned from flat by an angle [rad]."""
+    def foot(self, position: Sequence[float], rotation: float) -> None:
+        """A stance foot that stands is at a position on the ground (k numbers) [m], turned from flat [rad]."""
         if self._foot is None:
             self._foot = position
-        self._slip = max(self._slip, float(np.sqrt(np.sum((position - self._foot) ** 2))))
+        self._slip = max(self._slip, dist(position, self._foot))
         self._rotation = max(self._rotation, abs(rotation))
 
 

@@ -41,7 +41,7 @@ class Motors:
     """
 
     def __init__(self, disturbances: Disturbances, period: float, max_torque: FloatArray) -> None:
-        self._disturbances, self._max_torque = disturbances, max_torque
+        self._disturbances, self._least, self._most = disturbances, -max_torque, max_torque
         self._line = DelayLine(disturbances.delay_ticks(period))
         self._generator = disturbances.generator("torques")
         self.arriving: FloatArray = np.zeros(len(max_torque))
@@ -62,4 +62,4 @@ class Motors:
         if self._disturbances.torque_limits is not None:
             limit = self._disturbances.chain_torque_limits()
             acting = np.clip(acting, -limit, limit)
-        return np.minimum(np.maximum(acting, -self._max_torque), self._max_torque)
+        return np.minimum(np.maximum(acting, self._least), self._most)

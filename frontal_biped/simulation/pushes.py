@@ -115,6 +115,11 @@ class PushTimes(Generic[AnyPush]):
         self._pushes = tuple(pushes)
         self._origin: list[float | None] = [0.0 if push.step is None else None for push in pushes]
 
+    @property
+    def any(self) -> bool:
+        """Does anything push in this run?"""
+        return bool(self._pushes)
+
     def begin(self, t: float, step: int, phase: StepPhase) -> None:
         """A phase of a step (from 0) begins at time t [s]; only its first beginning counts."""
         for i, push in enumerate(self._pushes):

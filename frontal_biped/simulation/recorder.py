@@ -11,7 +11,7 @@ from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
 from frontal_biped.simulation.hybrid_system import EventKind
 from frontal_biped.simulation.rows import Rows
-from frontal_biped.simulation.stance_motion import Reaction
+from frontal_biped.simulation.stance_motion import Reaction, Reactions
 from frontal_biped.simulation.trajectory import SAMPLED, Trajectory
 from frontal_biped.virtual_constraints.phase import StepPhase
 
@@ -54,6 +54,35 @@ class Recorder:
             "step": float(step),
         }
         self._rows.add(values)
+
+    def samples(
+        self,
+        t: FloatArray,
+        states: State,
+        u: FloatArray,
+        reactions: Reactions,
+        *,
+        p_fri_target: FloatArray,
+        q_b_desired: FloatArray,
+        phase: StepPhase,
+        stance: Stance,
+        stance_y: float,
+        step: int,
+    ) -> None:
+        """Add the samples of a phase, (m, ...) each."""
+        same = {"phase": phase.sign, "stance": stance.sign, "stance_y": stance_y, "step": float(step)}
+        values = {
+            "t": t,
+            "q": states.q,
+            "dq": states.dq,
+            "u": u,
+            "force": reactions.force,
+            "p_fri": reactions.p_fri,
+            "p_fri_target": p_fri_target,
+            "q_b_desired": q_b_desired,
+            **{name: np.full(len(t), value) for name, value in same.items()},
+        }
+        self._rows.add_many(values)
 
     def event(self, t: float, kind: EventKind, step: int, state: State) -> None:
         """Add an event at time t [s], and the state right after it."""

@@ -120,7 +120,8 @@ class RigidEngine:
         motion.u = self.biped.stance_map.torques_to_stance(tau, self.stance)
         steps: list[tuple[float, float, State]] = []
         while end - t > AT_ONCE:
-            motion.feel(pushes, t)
+            if pushes.any:
+                motion.feel(pushes, t)
             gave_way = self._gives_way()
             if gave_way is not None:
                 return Move(t, steps, gave_way, gave_way)

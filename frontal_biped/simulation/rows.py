@@ -20,26 +20,36 @@ class Rows:
 
     def __init__(self, names: Iterable[str]) -> None:
         self._columns: dict[str, list[FloatArray]] = {name: [] for name in names}
-        self._count = 0
+        self._room = 0  # rows that the last block has room for
 
     def add(self, values: Mapping[str, ArrayLike]) -> None:
         """Add a row: a number, or an array of them, for every column."""
-        at = self._count % BLOCK
+        opens, at = not self._room, BLOCK - self._room if self._room else 0
         for name, blocks in self._columns.items():
             value = values[name]
-            if at == 0:
+            if opens:
                 blocks.append(np.empty((BLOCK, *np.shape(value))))
             blocks[-1][at] = value
-        self._count += 1
+        self._room = BLOCK - at - 1
+
+    def add_many(self, values: Mapping[str, FloatArray]) -> None:
+        """Add rows: an array (m, ...) for every column, which is kept."""
+        self._close()
+        for name, blocks in self._columns.items():
+            blocks.append(values[name])
+
+    def _close(self) -> None:
+        """No more rows into the last block."""
+        if self._room:
+            for blocks in self._columns.values():
+                blocks[-1] = blocks[-1][: BLOCK - self._room]
+            self._room = 0
 
     def take(self) -> dict[str, FloatArray]:
         """The columns, time first, (T, ...); they are handed over one by one, and none is kept."""
-        missing = -self._count % BLOCK
+        self._close()
         found = {}
         for name, blocks in self._columns.items():
-            if missing:
-                blocks[-1] = blocks[-1][: BLOCK - missing]
             found[name] = np.concatenate(blocks) if blocks else np.empty(0)
             blocks.clear()
-        self._count = 0
         return found

@@ -5,6 +5,7 @@ q, dq, forces and FRI of the recording are the engine's.
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, is_dataclass
+from math import isfinite
 from typing import Any, TypedDict, Unpack
 
 import numpy as np
@@ -74,7 +75,9 @@ class Sensed:
         """Show the walker what the sensors tell; None after the last landing that it noticed."""
         true = self._engine.read(t)
         command = self._walker.tick(self._sensors.read(true))
-        if np.isfinite(true.joint_positions).all():  # of a state that has diverged no controller makes torques
+        if isfinite(
+            true.joint_positions.dot(true.joint_positions)
+        ):  # of a state that has diverged no controller makes torques
             check_answer(command, "joint_torques", len(true.joint_positions), "tick", t)
         self.take_impact(t)
         event, stance, steps = command.event, command.stance, self._steps
@@ -136,7 +139,7 @@ class Sensed:
         self._meter.drive(tau, self._rates)
         if self._meter.stands(t, self._touching):
             y, rotation = self._engine.foot_position(self._command.stance)
-            self._meter.foot(np.array([y]), rotation)
+            self._meter.foot((y,), rotation)
 
     def _sample(self, t: float, command: WalkerCommand, tau: FloatArray) -> None:
         stance = command.stance

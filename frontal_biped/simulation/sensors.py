@@ -26,6 +26,7 @@ class Sensors:
     def __init__(self, disturbances: Disturbances) -> None:
         self.disturbances = disturbances
         self.generator = disturbances.generator("sensors")
+        self._exact = not (disturbances.noisy_sensors or disturbances.imu_noise or disturbances.gyro_noise)
 
     def joints(self, positions: FloatArray) -> FloatArray:
         """Readings of joint angles, (n,) each [rad]: noise, then the steps of the encoder."""
@@ -39,6 +40,8 @@ class Sensors:
 
     def read(self, true: Reading) -> Reading:
         """What the sensors make of the true values; rates are left out where they must be estimated."""
+        if self._exact:
+            return true
         d = self.disturbances
         joints = self.joints(true.joint_positions)
         base_roll, base_roll_rate = true.base_roll, true.base_roll_rate

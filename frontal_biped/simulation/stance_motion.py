@@ -32,6 +32,18 @@ class Reaction(NamedTuple):
         return abs(self.F_h) / self.F_v if self.F_v > 0.0 else float("inf")
 
 
+class Reactions(NamedTuple):
+    """What the ground does to the stance foot at many states.
+
+    Attributes:
+        force: (m, 2) F_h, F_v [N].
+        p_fri: (m,) where it acts, from the ankle [m]; nan where it carries nothing.
+    """
+
+    force: FloatArray
+    p_fri: FloatArray
+
+
 class StanceMotion:
     """The robot on one foot under held torques and pushes.
 
@@ -71,20 +83,29 @@ class StanceMotion:
             N_0 += force * self._pelvis.height(q, height)
         return Reaction(float(F_h), float(F_v), float(N_0 / F_v))
 
+    def reactions(self, states: State, u: FloatArray) -> Reactions:
+        """Ground reactions at q, dq (m, 4) under torques u (m, 4) [N m] and no push."""
+        ddq = self.biped.many.forward_dynamics(*states, u)
+        forces = self.biped.many.inverse_dynamics(*states, ddq)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return Reactions(forces[:, :2], forces[:, 2] / forces[:, 1])
+
+    def _acceleration(self, q: FloatArray, dq: FloatArray) -> FloatArray:
+        return self.biped.forward_dynamics(q, dq, self.felt(q) if self.pushes else self.u)
+
     def advance(self, state: State, h: float) -> State:
-        """State after h [s], by a Runge-Kutta step of order 4."""
-        n = len(state.q)
-
-        def derivative(x: FloatArray) -> FloatArray:
-            return np.concatenate([x[n:], self.biped.forward_dynamics(x[:n], x[n:], self.felt(x[:n]))])
-
-        x = np.concatenate(state)
-        k1 = derivative(x)
-        k2 = derivative(x + 0.5 * h * k1)
-        k3 = derivative(x + 0.5 * h * k2)
-        k4 = derivative(x + h * k3)
-        x = x + (h / 6.0) * (k1 + 2.0 * (k2 + k3) + k4)
-        return State(x[:n], x[n:])
+        """State after h [s], by a Runge-Kutta step of order 4, in the form that it takes for second order."""
+        q, dq = state
+        half = 0.5 * h
+        a_1 = self._acceleration(q, dq)
+        middle = dq + half * a_1
+        a_2 = self._acceleration(q + half * dq, middle)
+        again = dq + half * a_2
+        a_3 = self._acceleration(q + half * middle, again)
+        a_4 = self._acceleration(q + h * again, dq + h * a_3)
+        inner = a_2 + a_3
+        sum_of_three = a_1 + inner
+        return State(q + h * (dq + (h / 6.0) * sum_of_three), dq + (h / 6.0) * (sum_of_three + inner + a_4))
 
     def first_crossing(
         self,

@@ -5,12 +5,13 @@ chain from stance to swing foot, the coordinates such a controller speaks.
 """
 
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.answers import check_answer
-from frontal_biped.control.interface import Controller
+from frontal_biped.control.interface import Controller, many_at_once
 from frontal_biped.model.state import State
 from frontal_biped.simulation.engine import Move
 from frontal_biped.simulation.hybrid_system import EventKind
@@ -71,6 +72,8 @@ class Told:
 
     def record(self, segment: Segment) -> None:
         """Record a phase that has ended; output and FRI target are the controller's answer to the true state."""
+        if not self._pushes.any and self._recorded_at_once(segment):
+            return
         motion = segment.motion
         held: list[FloatArray] | list[None] = segment.u or [None] * len(segment.t)
         for t, state, u in zip(segment.t, segment.states, held, strict=True):
@@ -89,6 +92,28 @@ class Told:
                 stance_y=segment.stance_y,
                 step=self.steps.count,
             )
+
+    def _recorded_at_once(self, segment: Segment) -> bool:
+        """Record a phase without pushes in a few calls, where the controller answers many states at once."""
+        many = many_at_once(self.controller)
+        states = State(*(np.array(part) for part in zip(*segment.states, strict=True)))
+        asked = None if many is None else many.commands(segment.phase, *states)
+        if asked is None:
+            return False
+        u = np.array(segment.u) if segment.u else asked.u
+        self._recorder.samples(
+            np.array(segment.t),
+            states,
+            u,
+            segment.motion.reactions(states, u),
+            p_fri_target=asked.p_fri_target,
+            q_b_desired=states.q[:, 1:] - asked.y,
+            phase=segment.phase,
+            stance=segment.motion.stance,
+            stance_y=segment.stance_y,
+            step=self.steps.count,
+        )
+        return True
 
     def passed(self, t: float, event: EventKind, fell: EventKind | None, perceived: State) -> str | None:
         """An event was passed at time t [s]: the next phase begins, or the walk ends with an outcome.
@@ -150,8 +175,9 @@ class StateFed:
             self._observer.read(self._engine.state.q, self._period)
         stance = self._engine.stance
         command = self._told.controller.command(self._engine.phase, *self._perceived)
-        if np.isfinite(self._engine.state.q).all():
-            check_answer(command, "u", len(self._engine.state.q), "command", t)
+        q = self._engine.state.q
+        if isfinite(q.dot(q)):
+            check_answer(command, "u", len(q), "command", t)
         return Decision(self._engine.biped.stance_map.torques_to_urdf(command.u, stance), stance)
 
     def sent(self, t: float, tau: FloatArray) -> None:

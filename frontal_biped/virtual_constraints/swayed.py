@@ -103,18 +103,24 @@ class SwayedPhase:
         slopes = np.column_stack([motion.dq[:, 1:], motion.dp_fri]) / ds[:, None]
         first, last = slopes[order[0]], slopes[order[-1]]
         spline = CubicSpline(s[order], along[order], bc_type=((1, first), (1, last)))
-        self._knots, self._cubics = spline.x[1:-1].copy(), np.ascontiguousarray(spline.c.transpose(1, 0, 2))
+        self._knots = spline.x[1:-1].copy()
+        self._cubics = np.ascontiguousarray(spline.c.transpose(1, 0, 2))  # of a piece, the highest power first
         self._first = spline.x[:-1].copy()
 
-    def path(self, s: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Joints and FRI target (4,) at a sway [m], their first and second derivatives with respect to it.
+    def path(self, s: float, scale: float = 1.0) -> FloatArray:
+        """(3, 4) joints and FRI target at a sway [m], their first and second derivatives with respect to s / scale.
 
         SciPy's own evaluation answers arrays, and would take a quarter of a control tick for one point.
         """
         piece = int(self._knots.searchsorted(s))
-        d = s - self._first.item(piece)
-        c3, c2, c1, c0 = self._cubics[piece]
-        return ((c3 * d + c2) * d + c1) * d + c0, (c3 * (3.0 * d) + c2 * 2.0) * d + c1, c3 * (6.0 * d) + c2 * 2.0
+        d, k = s - self._first.item(piece), scale
+        powers = [
+            [d * d * d, d * d, d, 1.0],
+            [3.0 * k * d * d, 2.0 * k * d, k, 0.0],
+            [6.0 * k * k * d, 2.0 * k * k, 0.0, 0.0],
+        ]
+        along: FloatArray = np.array(powers).dot(self._cubics[piece])
+        return along
 
     def begun_as_planned(self) -> "BegunPhase":
         """The phase as it was planned."""
@@ -169,7 +175,7 @@ class BegunPhase:
         # begun on its way, it is what is left of the plan
         self._from = s if 0.0 < sense * (s - planned.start) < sense * (planned.end - planned.start) else planned.start
         self._stretch = (planned.end - self._from) / self._length
-        self._error, self._slope_error = error, slope_error
+        self._errors = np.stack([error - other_end.error, slope_error])
 
     def at(self, s: float) -> SwayTargets:
         """What is asked for at a sway s [m]."""
@@ -189,21 +195,21 @@ class BegunPhase:
 
     def _inside(self, u: float) -> SwayTargets:
         k, length = self._stretch, self._length
-        t = self._from + k * length * u
-        value, first, second = self._planned.path(t)
+        planned = self._planned.path(self._from + k * length * u, k)
         w = 1.0 - u
-        # the one error fades out as the other fades in: a(u) and 1 - a(u)
-        change = self._error - self._end_error
-        h = value[BODY] + self._end_error + change * ((1.0 + 2.0 * u) * w * w)
-        h1 = first[BODY] * k + change * (-6.0 * u * w / length)
-        h2 = second[BODY] * k**2 + change * (-6.0 * (1.0 - 2.0 * u) / length**2)
+        # the one error fades out as the other fades in: a(u) and 1 - a(u); that of the slope by b(x)
+        fading = [[(1.0 + 2.0 * u) * w * w, 0.0], [-6.0 * u * w / length, 0.0], [(12.0 * u - 6.0) / length**2, 0.0]]
         x = u / SLOPE_SHARE
         if x < 1.0:
             w, short = 1.0 - x, SLOPE_SHARE * length
-            h = h + self._slope_error * (short * x * w * w)
-            h1 = h1 + self._slope_error * (w * w - 2.0 * x * w)
-            h2 = h2 + self._slope_error * ((2.0 * x - 4.0 * w) / short)
-        return SwayTargets(h, h1, h2, value.item(3))
+            fading[0][1], fading[1][1], fading[2][1] = (
+                short * x * w * w,
+                w * w - 2.0 * x * w,
+                (2.0 * x - 4.0 * w) / short,
+            )
+        h, h1, h2 = planned[:, BODY] + np.array(fading).dot(self._errors)
+        h += self._end_error
+        return SwayTargets(h, h1, h2, planned.item(3))
 
 
 def runs_one_way(biped: FrontalBiped, phases: Iterable[Phase]) -> bool:

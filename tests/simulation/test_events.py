@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 from frontal_biped.model import State
-from frontal_biped.simulation import SimulationSettings, event_driven, simulate_walk
+from frontal_biped.simulation import SimulationSettings, continuous, simulate_walk
 from frontal_biped.simulation.hybrid_system import FLAT_LANDING, GRAZE, LEAVING, EventKind, land, walking_guards
 from frontal_biped.simulation.loop import TOO_STIFF
 from frontal_biped.virtual_constraints import double_support_pose
@@ -112,7 +112,7 @@ def test_a_foot_that_lands_at_an_angle(biped):
 
 def test_torques_that_no_integrator_can_follow_end_the_walk(biped, reference_gait, monkeypatch):
     """They change sign within nanoradians: without an end to it the steps become as short as that, for hours."""
-    monkeypatch.setattr(event_driven, "MOST_EVALUATIONS", 2000)
+    monkeypatch.setattr(continuous, "MOST_EVALUATIONS", 2000)
     q, dq = reference_gait.state_after_impact()
 
     class Chatter(ConstantTorque):

@@ -27,6 +27,21 @@ def test_rows_come_back_in_order(count):
     assert all(values.dtype == float for values in taken.values())
 
 
+@pytest.mark.parametrize("before", [0, 3, BLOCK, BLOCK + 3])
+def test_many_rows_at_once_stand_where_they_came(before):
+    rows = Rows(("t", "q"))
+    kept = np.arange(before + 10 + 2.0)
+    for k in kept[:before]:
+        rows.add({"t": k, "q": np.array([k, -k])})
+    many = kept[before : before + 10]
+    rows.add_many({"t": many, "q": np.stack([many, -many], axis=1)})
+    for k in kept[before + 10 :]:
+        rows.add({"t": k, "q": np.array([k, -k])})
+    taken = rows.take()
+    np.testing.assert_array_equal(taken["t"], kept)
+    np.testing.assert_array_equal(taken["q"], np.stack([kept, -kept], axis=1))
+
+
 def test_a_row_is_copied():
     """What moves the robot may use its arrays again."""
     rows, q = Rows(("q",)), np.zeros(2)

@@ -44,6 +44,8 @@ class Source(Enum):
     HELD = "held"
     """Nothing could be solved: the last command again."""
 
+    __hash__ = object.__hash__  # as `Stance`
+
 
 class Answer(NamedTuple):
     """Torques of one tick.
@@ -89,9 +91,15 @@ class TorqueProgram:
         """The quadratic program at a state, as `solve` solves it by whatever way."""
         return self.qp.pose(self._stance.at(state), targets)
 
-    def solve(self, state: State, targets: Targets) -> Answer | None:
-        """Torques at a state; None where even the relaxed program is not solved."""
-        dynamics = self._stance.at(state)
+    def solve(self, state: State, targets: Targets, dynamics: StanceDynamics | None = None) -> Answer | None:
+        """Torques at a state; None where even the relaxed program is not solved.
+
+        Args:
+            state: of the robot.
+            targets: what is asked of it.
+            dynamics: there, where they are known already.
+        """
+        dynamics = dynamics or self._stance.at(state)
         answer = self._exactly(dynamics, targets) if self._exact else None
         if answer is None:
             return self._by_proxqp(dynamics, targets)

@@ -5,6 +5,7 @@ last impact, and are tabulated once.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -35,10 +36,12 @@ class EstimatorSettings:
     blind: float = 0.006
 
 
+@lru_cache(maxsize=16)
 def gain_table(settings: EstimatorSettings, period: float, velocities: bool) -> FloatArray:
     """(TABULATED, 3, 1 or 2) Kalman gains of position, rate and acceleration error after an impact.
 
-    Of one joint, whose error is a triple integrator; rows q, dq, a, columns the readings of q (and dq).
+    Of one joint, whose error is a triple integrator; rows q, dq, a, columns the readings of q (and dq). Every walker of
+    the same settings has the same table, which is not to be changed.
     """
     h = period
     F = np.array([[1.0, h, 0.5 * h**2], [0.0, 1.0, h], [0.0, 0.0, 1.0]])
@@ -63,4 +66,5 @@ def gain_table(settings: EstimatorSettings, period: float, velocities: bool) -> 
         K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
         P = (np.eye(3) - K @ H) @ P
         table[k] = K
+    table.setflags(write=False)
     return table

@@ -27,7 +27,7 @@ class OverSway:
 
     def __init__(self, biped: FrontalBiped, controller: QpController, law: FrontalLaw) -> None:
         self._biped, self._controller, self.law = biped, controller, law
-        self._stance_model = StanceModel(biped)
+        self._stance_model, self._mass = StanceModel(biped), biped.mass
         self._last: Targets | None = None
         self._seen: tuple[State, StanceDynamics, Sway] | None = None
 
@@ -62,11 +62,11 @@ class OverSway:
             error = (dynamics.M[BASE, BASE:].dot(unexplained) / m.dot(c)).item()
         wanted = self.law.at(phase, state, sway, event, error)
         self._last = wanted.targets
-        return self._controller.follow(phase, state, wanted.targets, wanted.y, wanted.dy)
+        return self._controller.follow(phase, state, wanted.targets, wanted.y, wanted.dy, dynamics)
 
     def _at(self, state: State) -> tuple[StanceDynamics, Sway]:
         """Dynamics and sway; a tick asks twice for the same state."""
         if self._seen is None or self._seen[0] is not state:
             dynamics = self._stance_model.at(state)
-            self._seen = state, dynamics, dynamics.sway(float(self._biped.com(state.q)[0]), self._biped.mass)
+            self._seen = state, dynamics, dynamics.sway(self._biped.com(state.q).item(0), self._mass)
         return self._seen[1:]

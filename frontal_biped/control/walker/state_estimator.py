@@ -87,9 +87,10 @@ class StateEstimator:
         else:
             gains = self._gains["velocities"][at]
             steps = gains[:, 0] * missed + gains[:, 1] * (dq - self.dq)
-        self.q = _sensible(self.q + steps[0])
-        self.dq = _sensible(self.dq + steps[1])
-        self.error = _sensible(self.error + steps[2])
+        steps[0] += self.q
+        steps[1] += self.dq
+        steps[2] += self.error
+        self.q, self.dq, self.error = _sensible(steps)
 
     def land(self) -> None:
         """The swing foot lands and becomes the stance foot; if it lands tilted, the leg keeps its absolute angle."""
@@ -111,9 +112,13 @@ class StateEstimator:
 
     def _advanced(self, q: FloatArray, dq: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
         h, model, data = self.period, self._model, self._data
+        half = 0.5 * h
         ddq = pin.aba(model, data, q, dq, u) + self.error
-        middle = pin.aba(model, data, q + 0.5 * h * dq, dq + 0.5 * h * ddq, u) + self.error
-        return _sensible(q + h * dq + 0.5 * h**2 * ddq), _sensible(dq + h * middle)
+        mean = dq + half * ddq
+        middle = pin.aba(model, data, q + half * dq, mean, u) + self.error
+        ahead = np.array((q + h * mean, dq + h * middle))
+        q, dq = _sensible(ahead)
+        return q, dq
 
 
 def _sensible(values: FloatArray) -> FloatArray:

@@ -29,6 +29,14 @@ class FootLoad(NamedTuple):
     moment: float
 
 
+class _Turn(NamedTuple):
+    """What a roll joint adds to the rotation of what it carries about +X: sign (q - reference)."""
+
+    place: int
+    sign: float
+    reference: float
+
+
 class MujocoRobot:
     """One robot, its state and its ground.
 
@@ -53,6 +61,8 @@ class MujocoRobot:
         self._q_at = np.array([joint.qposadr[0] for joint in joints])
         self._v_at = np.array([joint.dofadr[0] for joint in joints])
         self._base = np.array([self.model.joint(name).dofadr[0] for name in BASE_JOINTS])
+        roll = self.model.joint(BASE_JOINTS[2])
+        self._roll_q, self._roll_v = int(roll.qposadr[0]), int(roll.dofadr[0])
         self._bodies = link_bodies(biped, self.model)
         self._hips = [joints[1].id, joints[2].id]
         self._feet = {Stance.LEFT: self._bodies[LINKS[0]], Stance.RIGHT: self._bodies[LINKS[4]]}
@@ -62,7 +72,19 @@ class MujocoRobot:
         if errors is not None:
             self._apply(errors)
         self.data = self._mujoco.MjData(self.model)
+        # views of MuJoCo's own arrays, which stay where they are: asking its data for them costs more than reading
+        self._qpos, self._qvel, self._xpos = self.data.qpos, self.data.qvel, self.data.xpos
+        self._applied, self._acts = self.data.qfrc_applied, np.zeros(self.model.nv)
+        self._turns = dict(zip(Stance, self._ankle_turns(), strict=True))
+        self._touching: tuple[bool, bool] | None = None
         self._wrench = np.zeros(6)
+
+    def _ankle_turns(self) -> tuple[list[_Turn], list[_Turn]]:
+        """The two joints of either leg, by which its foot turns against the pelvis."""
+        coordinates = self.biped.stance_map
+        rows = zip(self._q_at.tolist(), coordinates.axis_sign.tolist(), coordinates.reference.tolist(), strict=True)
+        turns = [_Turn(*row) for row in rows]
+        return turns[:2], turns[2:]
 
     def _apply(self, errors: ModelErrors) -> None:
         """Errors of MuJoCo's own bodies; shifts are given along world axes at the reference posture."""
@@ -84,6 +106,7 @@ class MujocoRobot:
         """Stand on a foot, flat and at rest on the ground at ``foot_y`` [m]."""
         q, dq = state
         biped, model, data = self.biped, self.model, self.data
+        self._touching = None
         data.qpos[:] = 0.0
         data.qpos[self._q_at] = biped.stance_map.positions_to_urdf(q, stance)
         data.qpos[self._base[2]] = -stance.sign * biped.pelvis_roll(q)
@@ -103,22 +126,22 @@ class MujocoRobot:
     @property
     def joint_positions(self) -> FloatArray:
         """(4,) URDF joint angles [rad]."""
-        return self.data.qpos[self._q_at].copy()
+        return self._qpos[self._q_at]
 
     @property
     def joint_velocities(self) -> FloatArray:
         """(4,) [rad/s]."""
-        return self.data.qvel[self._v_at].copy()
+        return self._qvel[self._v_at]
 
     @property
     def base_roll(self) -> float:
         """Rotation of the pelvis about +X [rad]."""
-        return float(self.data.qpos[self._base[2]])
+        return self._qpos.item(self._roll_q)
 
     @property
     def base_roll_rate(self) -> float:
         """[rad/s]."""
-        return float(self.data.qvel[self._base[2]])
+        return self._qvel.item(self._roll_v)
 
     def stance_state(self, stance: Stance) -> State:
         """The state by the joints, for a foot taken as the stance foot."""
@@ -129,7 +152,7 @@ class MujocoRobot:
     @property
     def height(self) -> float:
         """Height of the centre of mass above z = 0 [m]."""
-        return float(self._com()[2])
+        return self._com().item(2)
 
     def com_offset(self, stance: Stance) -> float:
         """Where the centre of mass is along h, from a foot's ankle [m]."""
@@ -142,9 +165,9 @@ class MujocoRobot:
     # ------------------------------------------------------------------ motion
     def run(self, tau: FloatArray, steps: int, pushes: list[tuple[float, float]]) -> None:
         """Physics steps under joint torques (4,) [N m] and pushes, pairs of force to the left and height [N, m]."""
-        data = self.data
-        data.qfrc_applied[:] = 0.0
-        data.qfrc_applied[self._v_at] = tau
+        data, self._touching = self.data, None
+        self._acts[self._v_at] = tau
+        self._applied[:] = self._acts
         pelvis = self._bodies["pelvis"]
         for force, height in pushes:
             up = data.xmat[self._bodies["pelvis"]].reshape(3, 3) @ self._up_in_pelvis()
@@ -162,9 +185,11 @@ class MujocoRobot:
     @property
     def contact(self) -> tuple[bool, bool]:
         """Does the left, the right foot touch the ground?"""
-        touching = self.data.contact.geom[:, 1]
-        left, right = self._sole_id
-        return bool((touching == left).any()), bool((touching == right).any())
+        if self._touching is None:
+            touching = self.data.contact.geom[:, 1].tolist()
+            left, right = self._sole_id
+            self._touching = left in touching, right in touching
+        return self._touching
 
     def load(self, stance: Stance) -> FootLoad:
         """What the ground does to a foot."""
@@ -191,10 +216,11 @@ class MujocoRobot:
 
     def foot_position(self, stance: Stance) -> tuple[float, float]:
         """y of a foot's ankle [m] and the foot's rotation about +X [rad]."""
-        q = self.joint_positions - self.biped.stance_map.reference
-        turned = self.biped.stance_map.axis_sign * q
-        pair = turned[:2] if stance is Stance.LEFT else turned[2:]
-        return float(self.data.xpos[self._feet[stance], 1]), self.base_roll + float(pair.sum())
+        qpos = self._qpos
+        rotation = qpos.item(self._roll_q)
+        for place, sign, reference in self._turns[stance]:
+            rotation += sign * (qpos.item(place) - reference)
+        return self._xpos.item(self._feet[stance], 1), rotation
 
     def clearance(self, stance: Stance) -> float:
         """Height of the lowest point of a foot's sole above z = 0 [m]."""

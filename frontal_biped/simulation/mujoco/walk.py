@@ -5,9 +5,8 @@ like any other, so page, figures and expectations work on it.
 """
 
 from dataclasses import replace
+from math import isfinite
 from typing import Unpack
-
-import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.interface import Reading, Tickable
@@ -98,7 +97,7 @@ class MujocoEngine(MujocoRobot):
 
     def advance(self, t: float, end: float, tau: FloatArray, pushes: PushForces) -> Move:
         """One control period under joint torques (4,) [N m]; of events only a fall is told."""
-        for side, height in list(self._waiting.items()):
+        for side, height in list(self._waiting.items()) if self._waiting else ():
             if self.clearance(side) > max(self.ground(side), height) + CLEAR:
                 self.set_ground(side, self._waiting.pop(side))
         self.run(tau, self._substeps, pushes.at(t))
@@ -106,7 +105,7 @@ class MujocoEngine(MujocoRobot):
 
     def _fate(self) -> EventKind | str | None:
         """How the robot has fallen, if it has."""
-        if not np.isfinite(self.data.qpos).all():
+        if not isfinite(self._qpos.dot(self._qpos)):
             return DIVERGED
         if self.height < self._lowest:
             return EventKind.COLLAPSED

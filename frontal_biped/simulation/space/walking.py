@@ -217,7 +217,7 @@ class SpatialPilot:
             self._gave_way[command.given_way] += 1
         if self._meter.stands(t, true.contact):
             foot = self._engine.sole(command.stance)
-            self._meter.foot(foot.position[:2], float(np.arccos(min(1.0, foot.rotation[2, 2]))))
+            self._meter.foot(foot.position[:2].tolist(), float(np.arccos(min(1.0, foot.rotation[2, 2]))))
         if self._ticks % self._every == 0 or command.event is not None:
             self._row = self._sample()
         self._ticks += 1
