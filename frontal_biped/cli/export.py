@@ -58,8 +58,9 @@ MOST_FPS = 50.0
 MOST_PICTURES = 5000
 """Of a GIF; each takes a tenth of a second or more to draw, and all of them are held until it is written."""
 
-GIF_SIZE = (400, 480)
-"""Width and height [px]: the robot is as large as in a wider one, and pictures are drawn by their area."""
+GIF_SIZE, SPATIAL_GIF_SIZE = (400, 480), (660, 480)
+"""Width and height [px]. In the plane the robot is as large as in a wider one, which takes longer to draw; in space the
+phase portrait has room beside the robot from 641 pixels on."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -84,7 +85,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_value(parser, "--time", "T", not_negative_float, "0", "PNG: time of the run, s")
     parser.add_argument("--fps", metavar="F", type=positive_float, default="12.5", help="GIF: default: %(default)s")
-    parser.add_argument("--size", metavar="WxH", type=size, help="pixels; default: 1280x800, of a GIF 400x480")
+    parser.add_argument(
+        "--size", metavar="WxH", type=size, help="pixels; default: 1280x800, of a GIF 400x480, in space 660x480"
+    )
     parser.add_argument("--dark", action="store_true", help="light on dark")
 
 
@@ -139,6 +142,7 @@ class _Exported(NamedTuple):
         arrays: of an archive.
         motion: of the whole robot.
         page: its page, with or without plots, in a theme.
+        gif_size: width and height of its GIF unless asked otherwise [px].
     """
 
     duration: float
@@ -147,6 +151,7 @@ class _Exported(NamedTuple):
     arrays: "Callable[[], Mapping[str, np.ndarray[Any, Any]]]"
     motion: "Callable[[], WholeMotion]"
     page: "Callable[[bool, str], str]"
+    gif_size: tuple[int, int]
 
 
 def _planar(arguments: argparse.Namespace) -> _Exported:
@@ -173,6 +178,7 @@ def _planar(arguments: argparse.Namespace) -> _Exported:
         arrays=lambda: planar_arrays(biped, run, arguments.rate),
         motion=lambda: whole_motion(biped, run, arguments.rate),
         page=lambda plots, theme: animation_page(biped, run, title=biped.name, plots=plots, theme=theme),
+        gif_size=GIF_SIZE,
     )
 
 
@@ -193,6 +199,7 @@ def _spatial(arguments: argparse.Namespace) -> _Exported:
         arrays=lambda: spatial_arrays(robot, run, arguments.rate),
         motion=lambda: whole_motion(robot, run, arguments.rate),
         page=lambda plots, theme: space_page(robot, run, orbit, plots=plots, theme=theme),
+        gif_size=SPATIAL_GIF_SIZE,
     )
 
 
@@ -245,6 +252,6 @@ def _write(arguments: argparse.Namespace, target: Path, source: _Exported, progr
             target,
             times,
             1.0 / frame,
-            arguments.size or GIF_SIZE,
+            arguments.size or source.gif_size,
             lambda taken: progress.update(f"picture {taken} of {len(times)}"),
         )

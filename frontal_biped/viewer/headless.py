@@ -197,22 +197,20 @@ class Film:
         self._page = page
         self._around: Image.Image | None = None
         self._scenes: list[bytes] = []
-        main, scene, colour = page.evaluate(
+        x, y, width, height, colour = page.evaluate(
             """() => {
-                const main = document.querySelector("main"), scene = main.querySelector("canvas");
-                const [whole, part] = [main, scene].map((node) => node.getBoundingClientRect());
-                const colour = getComputedStyle(document.body).backgroundColor;
-                return [[whole.x, whole.y, whole.width, whole.height], [part.x, part.y], colour];
+                const { x, y, width, height } = document.querySelector("main").getBoundingClientRect();
+                return [x, y, width, height, getComputedStyle(document.body).backgroundColor];
             }"""
         )
         page.evaluate("document.body.classList.add('film')")
-        x, y, width, height = main
-        self._clip = {"x": x, "y": y, "width": math.ceil(width), "height": math.ceil(height), "scale": 1}
+        clip = {"x": x, "y": y, "width": math.ceil(width), "height": math.ceil(height), "scale": 1}
+        taller = y + height > page.viewport_size["height"]
+        self._shot = {"clip": clip, "optimizeForSpeed": True, "captureBeyondViewport": taller}
         # Chromium's own words: Playwright's screenshots wait for fonts and frames that are long there
         self._session = page.context.new_cdp_session(page)
         transparent = {"color": {"r": 0, "g": 0, "b": 0, "a": 0}}
         self._session.send("Emulation.setDefaultBackgroundColorOverride", transparent)
-        self._place = round(scene[0] - x), round(scene[1] - y)
         self._colour = ImageColor.getrgb(colour)
 
     @property
@@ -229,11 +227,11 @@ class Film:
         if taken["scene"] is not None:
             self._scenes.append(base64.b64decode(taken["scene"].partition(",")[2]))
         if taken["changed"] or self._around is None:
-            shot = self._session.send("Page.captureScreenshot", {"clip": self._clip, "optimizeForSpeed": True})
+            shot = self._session.send("Page.captureScreenshot", self._shot)
             self._around = Image.open(io.BytesIO(base64.b64decode(shot["data"]))).convert("RGBA")
         frame = Image.new("RGB", self._around.size, self._colour)
         scene = Image.open(io.BytesIO(self._scenes[taken["number"]]))
-        frame.paste(scene.convert("RGB"), self._place)
+        frame.paste(scene.convert("RGB"), tuple(taken["place"]))
         frame.paste(self._around, mask=self._around)
         return frame
 

@@ -314,8 +314,8 @@
     return numbers.join();
   };
 
-  // The scene at a time: its picture, or null if it has been given before under the same number; and whether what stands
-  // around it is another than the time before.
+  // The scene at a time: its picture, or null if it has been given before under the same number; where in `main` it is;
+  // and whether what stands around it is another than the time before.
   const given = new Map();
   let around = "";
   const picture = (time) => {
@@ -328,9 +328,12 @@
       viewer.render();
     }
     around = at("caption").innerHTML + at("inset").innerHTML; // the rest stays
+    const canvas = at("scene").querySelector("canvas");
+    const [whole, part] = [document.querySelector("main"), canvas].map((box) => box.getBoundingClientRect());
     return {
       number: given.get(text),
-      scene: known ? null : at("scene").querySelector("canvas").toDataURL(),
+      scene: known ? null : canvas.toDataURL(),
+      place: [Math.round(part.x - whole.x), Math.round(part.y - whole.y)],
       changed: around !== before,
     };
   };
