@@ -3,7 +3,7 @@
 A library is a folder with a gait file for every point of a grid; kill it at any moment and run it again. Between the
 points `blend` returns a gait that is invariant and periodic to rounding. `design_transition` designs the single
 step that leads from one gait to another without leaving the zero dynamics. On the command line,
-`frontal-biped library sweep.toml -o gaits --jobs 2`.
+`frontal-biped library sweep.toml -o gaits`.
 
 You should see:
 

@@ -1,11 +1,10 @@
 """`frontal-biped analyze`."""
 
 import argparse
-import os
 from pathlib import Path
 
 from frontal_biped.cli import double_support
-from frontal_biped.cli.arguments import add_gait, add_json, add_robot, add_verbose, processes
+from frontal_biped.cli.arguments import add_gait, add_jobs, add_json, add_robot, add_verbose
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
 from frontal_biped.cli.output import emit
 from frontal_biped.cli.progress import Progress
@@ -22,13 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="add the robustness card: speeds that return and pushes survived; a minute and a half of processor time",
     )
-    parser.add_argument(
-        "--jobs",
-        metavar="N",
-        type=processes,
-        default=len(os.sched_getaffinity(0)),
-        help="worker processes for the robustness card; default: the processors there are",
-    )
+    add_jobs(parser)
     parser.add_argument(
         "--prove",
         metavar="C.json",

@@ -51,8 +51,14 @@ def add_robot(to: Arguments, default: str | None = None) -> None:
 
 
 def add_jobs(to: Arguments) -> None:
-    """``--jobs``, one by default; see `workers`."""
-    add_value(to, "--jobs", "N", processes, "1", "worker processes")
+    """``--jobs``, by default as many as there are processors for this one; see `workers`."""
+    to.add_argument(
+        "--jobs",
+        metavar="N",
+        type=processes,
+        default=len(os.sched_getaffinity(0)),
+        help="worker processes, each on one thread; default: one for each processor, here %(default)s",
+    )
 
 
 def add_json(to: Arguments) -> None:

@@ -58,6 +58,10 @@ MOST_FPS = 50.0
 MOST_PICTURES = 5000
 """Of a GIF; each takes a tenth of a second or more to draw, and all of them are held until it is written."""
 
+GIF_SIZE, SPATIAL_GIF_SIZE = (400, 480), (660, 480)
+"""Width and height [px]. In the plane the robot is as large as in a wider one, which takes longer to draw; in space the
+phase portrait has room beside the robot from 641 pixels on."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The run, the file, and what each kind of file can be told."""
@@ -80,8 +84,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="CSV, NPZ, MCAP: samples per second; default: the samples of the run",
     )
     add_value(parser, "--time", "T", not_negative_float, "0", "PNG: time of the run, s")
-    parser.add_argument("--fps", metavar="F", type=positive_float, default="20", help="GIF: default: %(default)s")
-    parser.add_argument("--size", metavar="WxH", type=size, help="pixels; default: 1280x800, of a GIF 640x480")
+    parser.add_argument("--fps", metavar="F", type=positive_float, default="12.5", help="GIF: default: %(default)s")
+    parser.add_argument(
+        "--size", metavar="WxH", type=size, help="pixels; default: 1280x800, of a GIF 400x480, in space 660x480"
+    )
     parser.add_argument("--dark", action="store_true", help="light on dark")
 
 
@@ -105,8 +111,8 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.fps > MOST_FPS:
             raise FrontalBipedError(f"--fps {arguments.fps:g}: a GIF shows at most {MOST_FPS:g}; choose one up to this")
         _require_number("--fps", arguments.fps, "pictures", source.duration, MOST_PICTURES)
-    with Progress(f"writing {target.name}"):
-        _write(arguments, target, source)
+    with Progress(f"writing {target.name}") as progress:
+        _write(arguments, target, source, progress)
     write_out(f"{target}: {target.stat().st_size / 1e6:.2f} MB\n")
     return SUCCESS
 
@@ -136,6 +142,7 @@ class _Exported(NamedTuple):
         arrays: of an archive.
         motion: of the whole robot.
         page: its page, with or without plots, in a theme.
+        gif_size: width and height of its GIF unless asked otherwise [px].
     """
 
     duration: float
@@ -144,6 +151,7 @@ class _Exported(NamedTuple):
     arrays: "Callable[[], Mapping[str, np.ndarray[Any, Any]]]"
     motion: "Callable[[], WholeMotion]"
     page: "Callable[[bool, str], str]"
+    gif_size: tuple[int, int]
 
 
 def _planar(arguments: argparse.Namespace) -> _Exported:
@@ -170,6 +178,7 @@ def _planar(arguments: argparse.Namespace) -> _Exported:
         arrays=lambda: planar_arrays(biped, run, arguments.rate),
         motion=lambda: whole_motion(biped, run, arguments.rate),
         page=lambda plots, theme: animation_page(biped, run, title=biped.name, plots=plots, theme=theme),
+        gif_size=GIF_SIZE,
     )
 
 
@@ -190,6 +199,7 @@ def _spatial(arguments: argparse.Namespace) -> _Exported:
         arrays=lambda: spatial_arrays(robot, run, arguments.rate),
         motion=lambda: whole_motion(robot, run, arguments.rate),
         page=lambda plots, theme: space_page(robot, run, orbit, plots=plots, theme=theme),
+        gif_size=SPATIAL_GIF_SIZE,
     )
 
 
@@ -206,7 +216,7 @@ def _width(robot: "Robot") -> int:
     return 40 + robot.model.nq + 2 * robot.model.nv
 
 
-def _write(arguments: argparse.Namespace, target: Path, source: _Exported) -> None:
+def _write(arguments: argparse.Namespace, target: Path, source: _Exported, progress: Progress) -> None:
     import numpy as np
 
     from frontal_biped.files.atomic import atomic_path, write_text
@@ -237,4 +247,11 @@ def _write(arguments: argparse.Namespace, target: Path, source: _Exported) -> No
         # a GIF counts in hundredths of a second
         frame = round(100.0 / arguments.fps) / 100.0
         times = np.arange(0.0, source.duration, frame).tolist()
-        write_gif(page, target, times, 1.0 / frame, arguments.size or (640, 480))
+        write_gif(
+            page,
+            target,
+            times,
+            1.0 / frame,
+            arguments.size or source.gif_size,
+            lambda taken: progress.update(f"picture {taken} of {len(times)}"),
+        )

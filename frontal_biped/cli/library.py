@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from frontal_biped.library.sweep import Sweep
 
 SUMMARY = "Design a gait for every point of a grid of specifications; run it again to resume one that was interrupted."
-EXAMPLE = "frontal-biped library sweep.toml -o gaits --jobs 2"
+EXAMPLE = "frontal-biped library sweep.toml -o gaits"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -58,7 +58,8 @@ def _built(arguments: argparse.Namespace, sweep: "Sweep") -> "LibraryReport":
     from frontal_biped.library.build import build_library
     from frontal_biped.library.executors import dask_executor
 
-    designers = workers(arguments.jobs) if arguments.dask is None else dask_executor(arguments.dask)
+    jobs = min(arguments.jobs, len(sweep.batches()))  # a batch is designed by one process
+    designers = workers(jobs) if arguments.dask is None else dask_executor(arguments.dask)
     with Progress("designing: gait", len(sweep.points())) as progress, designers as executor:
         before: list[int] = []
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from frontal_biped.scenarios.run import TrialResult
 
 SUMMARY = "Run scenarios: disturbed walks with expectations; exit status 1 if one does not hold."
-EXAMPLE = "frontal-biped trial examples/scenarios/wrong_masses.scenario.toml --repeat 4 --seed 1 --jobs 2 --save runs"
+EXAMPLE = "frontal-biped trial examples/scenarios/wrong_masses.scenario.toml --repeat 4 --seed 1 --save runs"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -61,7 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.save is not None:
         require_folder(arguments.save)
     trials = len(scenarios) if arguments.only is not None else sum(arguments.repeat or s.repeat for s in scenarios)
-    with Progress("walking: trial", trials) as progress, workers(arguments.jobs) as executor:
+    with Progress("walking: trial", trials) as progress, workers(min(arguments.jobs, trials)) as executor:
         finished: list[TrialResult] = []
 
         def on_trial(done: int, total: int, result: "TrialResult") -> None:

@@ -1,5 +1,6 @@
 """The demonstration: from a URDF to a certified gait that walks in the browser, in one folder."""
 
+import os
 import shutil
 import tempfile
 import time
@@ -106,8 +107,8 @@ def _compute(
     if design.gait is None:
         raise DesignFailedError(f"{biped.name}: {design.message}")
     gait = design.gait
-    # half of the work goes to a second process; what it has not begun when the rest is done is done here
-    with worker_processes(1) as executor:
+    # work goes to a process on every other processor; what none has begun when the rest is done is done here
+    with worker_processes(max(1, len(os.sched_getaffinity(0)) - 1)) as executor:
         robust_card = _Shared(executor, _robust_card, biped, SHOWN_STABILISERS[-1:], SHOWN_PUSHES)
         card = _Shared(executor, _card, biped, gait, SHOWN_STABILISERS)
         compared = _Shared(executor, _compare_periods, biped, gait)

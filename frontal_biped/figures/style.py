@@ -188,11 +188,13 @@ def legend_above(ax: "Axes", columns: int, lift: float = 0.0) -> None:
 def figure_svg(figure: "Figure") -> str:
     """SVG element of a figure for a page: no XML prologue, and ids that clash with no other figure's."""
     from matplotlib import rc_context
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     name = re.sub(r"\W", "_", str(figure.get_label())) or "figure"
     buffer = io.StringIO()
     with rc_context({"svg.hashsalt": name, "svg.id": name}):
-        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+        # the canvas itself lays a figure out as it draws it, where `savefig` goes through all of it once more before
+        FigureCanvasSVG(figure).print_svg(buffer, metadata={"Date": None, "Creator": None})  # type: ignore[no-untyped-call]
     text = buffer.getvalue()
     text = text[text.index("<svg") :]
     # Matplotlib numbers its groups alike in every figure (figure_1, axes_1, ...): give them the figure's name

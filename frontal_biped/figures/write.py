@@ -162,6 +162,20 @@ def write_figure(
             write_text(file, figure_svg(figure) + "\n")
             continue
         with atomic_path(file) as temporary:
-            # no date: equal figures, equal bytes
-            figure.savefig(temporary, format=kind, dpi=300, metadata={"CreationDate": None} if kind == "pdf" else None)
+            if kind == "png":
+                _write_png(figure, temporary)
+            else:  # no date: equal figures, equal bytes
+                figure.savefig(temporary, format=kind, dpi=300, metadata={"CreationDate": None})
     return files
+
+
+def _write_png(figure: "Figure", path: Path) -> None:
+    """By the canvas itself: it lays a figure out as it draws it, where ``savefig`` goes through all of it once more."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    screen = figure.dpi
+    figure.set_dpi(300.0)
+    try:
+        FigureCanvasAgg(figure).print_png(path)  # type: ignore[no-untyped-call]
+    finally:
+        figure.set_dpi(screen)

@@ -4,12 +4,14 @@ A batch is a run of neighbours: every gait starts from the last one found in it,
 yields therefore depends on the batch alone, not on the executor, the number of workers or the interruptions.
 """
 
+import itertools
 import time
 from collections.abc import Callable, Mapping
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import Executor, Future
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from queue import Empty, SimpleQueue
 
 from frontal_biped.design.optimise import optimise_gait
 from frontal_biped.exceptions import FrontalBipedError, LibraryError
@@ -89,36 +91,60 @@ def _build(
     points, batches = sweep.points(), sweep.batches()
     found = sum(store.finished(point.number) for point in points)
 
-    def show() -> None:
+    def show(designed: int) -> None:
         if on_progress is not None:
-            on_progress(store.count_finished(), len(points), time.perf_counter() - began)
+            on_progress(found + designed, len(points), time.perf_counter() - began)
 
-    show()
-    open_batches = [batch for batch in batches if not all(store.finished(point.number) for point in batch)]
+    show(0)
+    missing = [tuple(point for point in batch if not store.finished(point.number)) for batch in batches]
+    open_batches = [(batch, lacking) for batch, lacking in zip(batches, missing, strict=True) if lacking]
     if executor is None:
-        for batch in open_batches:
-            design_batch(store.folder, batch, show)
+        designed = itertools.count(1)
+        for batch, _ in open_batches:
+            design_batch(store.folder, batch, lambda: show(next(designed)))
     else:
-        _spread(executor, store.folder, open_batches, show)
+        _spread(executor, store, open_batches, show)
     index = store.write_index(sweep)
     gaits = sum(store.gait_path(point.number).is_file() for point in points)
     seconds = time.perf_counter() - began
     return LibraryReport(index, len(points), gaits, len(points) - gaits, found, seconds)
 
 
-def _spread(executor: Executor, folder: Path, batches: list[tuple[GridPoint, ...]], show: Callable[[], None]) -> None:
-    waiting: set[Future[int]] = set()
+def _spread(
+    executor: Executor,
+    store: LibraryStore,
+    batches: list[tuple[tuple[GridPoint, ...], tuple[GridPoint, ...]]],
+    show: Callable[[int], None],
+) -> None:
+    """Hand out batches, each with the points that it lacks, and show how many of these are designed.
+
+    What a batch costs here does not grow with their number: finished ones report themselves, and files are looked for
+    only of those at work, where the executor says which these are.
+    """
+    done: SimpleQueue[Future[int]] = SimpleQueue()
+    waiting: dict[Future[int], tuple[GridPoint, ...]] = {}
+    designed, shown = 0, time.monotonic()
     try:
-        for batch in batches:
-            waiting.add(executor.submit(design_batch, folder, batch))
+        for batch, lacking in batches:
+            future = executor.submit(design_batch, store.folder, batch)
+            waiting[future] = lacking
+            future.add_done_callback(done.put)
         while waiting:
-            done, waiting = wait(waiting, timeout=POLL, return_when=FIRST_COMPLETED)
-            for future in done:
+            try:
+                future = done.get(timeout=POLL)
+            except Empty:
+                pass
+            else:
                 future.result()
-            show()
+                designed += len(waiting.pop(future))
+            if not waiting or time.monotonic() - shown >= POLL:
+                shown = time.monotonic()
+                at_work = (point for future, lacking in waiting.items() if future.running() for point in lacking)
+                show(designed + sum(store.finished(point.number) for point in at_work))
     except lost_workers():
         raise LibraryError(
-            f"{folder}: a worker ended before its work, killed or out of memory; run it again: what is finished is kept"
+            f"{store.folder}: a worker ended before its work, killed or out of memory; run it again: what is finished"
+            " is kept"
         ) from None
     finally:
         for future in waiting:

@@ -20,6 +20,9 @@ from frontal_biped.files.signals import SIGNALS
 P = ParamSpec("P")
 T = TypeVar("T")
 
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""Variables by which OpenMP, OpenBLAS and MKL are told how many threads to use; read as a process starts."""
+
 PATIENCE = 5.0
 """How long a worker that is told to stop may take for it before it is killed [s]."""
 
@@ -29,7 +32,8 @@ def worker_processes(count: int) -> ProcessPoolExecutor:
 
     Used in a ``with`` statement, an error or Ctrl+C in the block stops them at once; what they were writing is removed.
     """
-    os.environ.setdefault("OMP_NUM_THREADS", "1")  # inherited: the matrices are too small for a second thread
+    for name in THREADS:
+        os.environ.setdefault(name, "1")  # inherited: the matrices are too small for a second thread
     return _WorkerProcesses(count, mp_context=multiprocessing.get_context("spawn"), initializer=_begin)
 
 

@@ -128,10 +128,6 @@ class LibraryStore:
         """Has a point been designed, with or without success?"""
         return self.gait_path(number).is_file() or self.failure_path(number).is_file()
 
-    def count_finished(self) -> int:
-        """Number of points that have been designed."""
-        return sum(len(list((self.folder / name).glob("[0-9]*.json"))) for name in ("gaits", "failures"))
-
     def gait(self, point: GridPoint, fingerprints: Mapping[str, str]) -> Gait | None:
         """The gait of a point, or None if it has none.
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from frontal_biped.files.counted import counted
 from frontal_biped.scenarios.measured import AnyRun, largest, of_every_run, of_steps
 from frontal_biped.scenarios.preparation import Prepared
 from frontal_biped.simulation.trajectory import Trajectory
@@ -75,11 +76,11 @@ def judge(prepared: Prepared, run: AnyRun, measured: Mapping[str, float]) -> tup
     expect, asked = prepared.scenario.expect, prepared.scenario.expect.steps or prepared.scenario.steps
     walked = run.steps_completed
     fate = "" if not run.fell else f", then it fell: {run.outcome}"
-    told, path = f"walked {walked} of {asked} steps{fate}", run.settings.get("path")
+    told, path = f"walked {walked} of {counted(asked, 'step')}{fate}", run.settings.get("path")
     held = walked >= asked
     if path is not None:
         held = bool(path["arrived"])
-        told = f"{'arrived' if held else 'did not arrive'} after {walked} steps{fate}"
+        told = f"{'arrived' if held else 'did not arrive'} after {counted(walked, 'step')}{fate}"
     findings = [Finding("steps", held, told, float(walked))]
     for key, (label, unit) in AT_MOST.items():
         bound = getattr(expect, key)

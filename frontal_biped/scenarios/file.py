@@ -80,6 +80,7 @@ from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers.by_name import STABILISERS
 from frontal_biped.control.whole_body.settings import WholeBodySettings
 from frontal_biped.exceptions import ScenarioError, SpecificationError
+from frontal_biped.files.counted import counted
 from frontal_biped.files.quoted import quoted
 from frontal_biped.files.table import Table
 from frontal_biped.files.toml import as_finite, load_toml
@@ -345,14 +346,16 @@ def _check_together(scenario: Scenario, table: Table) -> None:
     for key in ("steps", "return_within"):
         asked = getattr(expect, key)
         if asked is not None and asked > steps:
-            raise ScenarioError(f"{path}: [expect] {key} = {asked}: only {steps} steps are walked; raise steps")
+            raise ScenarioError(f"{path}: [expect] {key} = {asked}: the walk has {counted(steps, 'step')}; raise steps")
     for i, moment in enumerate(scenario.push_moments):
         if moment.time is None and moment.step > steps:
             at = f"{path}: [[push]] {i + 1}: at names step {moment.step}"
-            raise ScenarioError(f"{at}: only {steps} steps are walked; raise steps or push earlier")
+            raise ScenarioError(f"{at}: the walk has {counted(steps, 'step')}; raise steps or push earlier")
     if len(scenario.disturbances.get("ground", ())) > steps:
         count = len(scenario.disturbances["ground"])
-        raise ScenarioError(f"{path}: [disturbances] ground has {count} heights for {steps} steps; leave some out")
+        raise ScenarioError(
+            f"{path}: [disturbances] ground has {count} heights for {counted(steps, 'step')}; leave some out"
+        )
     if scenario.simulator == "mujoco" and scenario.controller.kind == "qp":
         raise ScenarioError(
             f'{path}: controller = "qp" is told state and events, which only our simulator can;'

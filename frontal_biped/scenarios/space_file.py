@@ -61,6 +61,7 @@ from typing import Any
 
 from frontal_biped.control.path.language import PathError, parse_path
 from frontal_biped.exceptions import ScenarioError
+from frontal_biped.files.counted import counted
 from frontal_biped.files.table import Range, Table, Value
 from frontal_biped.scenarios.moments import read_moment, tables_of
 from frontal_biped.scenarios.scenario import CommandPlan, Scenario, SpacePlan, SpatialPushPlan
@@ -120,8 +121,8 @@ def check_space(scenario: Scenario, table: Table) -> None:
     for i, command in enumerate(scenario.space.commands):
         if command.step is not None and command.step >= scenario.steps:
             raise ScenarioError(
-                f"{path}: [[command]] {i + 1}: step = {command.step + 1}: only {scenario.steps} steps are walked; raise"
-                " steps"
+                f"{path}: [[command]] {i + 1}: step = {command.step + 1}: the walk has"
+                f" {counted(scenario.steps, 'step')}; raise steps"
             )
 
 

@@ -1,12 +1,14 @@
 """Pictures and animations of a page, taken by Chromium without a window."""
 
+import base64
 import contextlib
 import io
 import logging
+import math
 import shutil
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -28,6 +30,9 @@ CHROMIUM_OPTIONS = (
     "--no-first-run",
 )
 _PATIENCE = 120.0  # [s] for a software renderer and the meshes of a humanoid
+_DRAWN = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done())))"
+"""Two frames of a page: the first tells the scene, the second draws it."""
+
 _SLICE = 500  # [ms] of it, between two looks at signals
 
 
@@ -121,8 +126,7 @@ def picture(page: Any, t: float, selector: str = "body") -> bytes:
     """PNG of a page at a time t of its run [s], once it has been drawn."""
     serve_signals()
     page.evaluate("(t) => page.seek(t)", t)
-    # two frames: the first tells the scene, the second draws it
-    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done())))")
+    page.evaluate(_DRAWN)
     shot: bytes = page.locator(selector).first.screenshot()
     return shot
 
@@ -140,7 +144,14 @@ def write_png(html: str, target: Path, time: float, size: tuple[int, int] = (128
         temporary.write_bytes(picture(page, time))
 
 
-def write_gif(html: str, target: Path, times: Sequence[float], fps: float, size: tuple[int, int] = (640, 480)) -> None:
+def write_gif(
+    html: str,
+    target: Path,
+    times: Sequence[float],
+    fps: float,
+    size: tuple[int, int] = (640, 480),
+    on_picture: Callable[[int], None] | None = None,
+) -> None:
     """Write an animation of a page's robot as GIF that repeats for ever.
 
     Args:
@@ -149,25 +160,87 @@ def write_gif(html: str, target: Path, times: Sequence[float], fps: float, size:
         times: of the frames [s].
         fps: frames per second of the GIF; GIFs count in hundredths of a second.
         size: width and height [px].
+        on_picture: called with the number of frames taken so far.
     """
     from PIL import Image
 
     with opened_page(html, size) as page:
-        page.evaluate("document.body.classList.add('still')")
-        frames = [Image.open(io.BytesIO(picture(page, time, "main"))).convert("RGB") for time in times]
-    palette = _palette(frames)
-    small = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+        film = Film(page)
+        palette = _palette(film.frame(times[len(times) // 2]))
+        small = []
+        for time in times:
+            small.append(film.frame(time).quantize(palette=palette, dither=Image.Dither.NONE))
+            if on_picture is not None:
+                on_picture(len(small))
     with atomic_path(target) as temporary:
         small[0].save(
             temporary, save_all=True, append_images=small[1:], duration=round(1000.0 / fps), loop=0, format="GIF"
         )
 
 
-def _palette(frames: Sequence[Any]) -> Any:
+class Film:
+    """Pictures of a page's scene with what stands around it.
+
+    A software renderer takes a tenth of a second and more to draw the scene, and as long again to show it. So the scene
+    is drawn once, if at all, and never shown: a walk whose steps take a whole number of frames comes back to what has
+    been drawn. What stands around it, mostly text, is taken only where it has changed.
+
+    Args:
+        page: Playwright's page.
+    """
+
+    def __init__(self, page: Any) -> None:
+        from PIL import Image, ImageColor
+
+        page.evaluate("document.body.classList.add('still')")
+        page.evaluate(_DRAWN)
+        self._page = page
+        self._around: Image.Image | None = None
+        self._scenes: list[bytes] = []
+        x, y, width, height, colour = page.evaluate(
+            """() => {
+                const { x, y, width, height } = document.querySelector("main").getBoundingClientRect();
+                return [x, y, width, height, getComputedStyle(document.body).backgroundColor];
+            }"""
+        )
+        page.evaluate("document.body.classList.add('film')")
+        clip = {"x": x, "y": y, "width": math.ceil(width), "height": math.ceil(height), "scale": 1}
+        taller = y + height > page.viewport_size["height"]
+        self._shot = {"clip": clip, "optimizeForSpeed": True, "captureBeyondViewport": taller}
+        # Chromium's own words: Playwright's screenshots wait for fonts and frames that are long there
+        self._session = page.context.new_cdp_session(page)
+        transparent = {"color": {"r": 0, "g": 0, "b": 0, "a": 0}}
+        self._session.send("Emulation.setDefaultBackgroundColorOverride", transparent)
+        self._colour = ImageColor.getrgb(colour)
+
+    @property
+    def drawn(self) -> int:
+        """Scenes drawn so far; fewer than frames where the walk has come back to one."""
+        return len(self._scenes)
+
+    def frame(self, time: float) -> Any:
+        """The picture at a time [s]."""
+        from PIL import Image
+
+        serve_signals()
+        taken = self._page.evaluate("(time) => page.picture(time)", time)
+        if taken["scene"] is not None:
+            self._scenes.append(base64.b64decode(taken["scene"].partition(",")[2]))
+        if taken["changed"] or self._around is None:
+            shot = self._session.send("Page.captureScreenshot", self._shot)
+            self._around = Image.open(io.BytesIO(base64.b64decode(shot["data"]))).convert("RGBA")
+        frame = Image.new("RGB", self._around.size, self._colour)
+        scene = Image.open(io.BytesIO(self._scenes[taken["number"]]))
+        frame.paste(scene.convert("RGB"), tuple(taken["place"]))
+        frame.paste(self._around, mask=self._around)
+        return frame
+
+
+def _palette(middle: Any) -> Any:
     """One palette for all frames, lest colours flicker, that keeps the few pixels of the markers."""
     from PIL import Image
 
-    middle, side = frames[len(frames) // 2], 64
+    side = 64
     sample = Image.new("RGB", (middle.width, middle.height + side), "white")
     sample.paste(middle, (0, 0))
     for k, colour in enumerate(COLOURS.values()):

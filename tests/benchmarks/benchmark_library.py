@@ -1,10 +1,13 @@
-"""A gait library on one and on two worker processes: gaits a second, efficiency, and what three kills leave.
+"""A gait library on one and on two worker processes: gaits a second, efficiency, a million of them, and three kills.
 
     python tests/benchmarks/benchmark_library.py [--points 1000] [--kill]
 
-Points are spread over friction, clearance, pelvis roll and step width. Quote the efficiency; the rate belongs to the
-machine. With --kill the library is built once more, its process killed three times at random moments (seeded) and
-taken up again; the index must come out byte for byte the same.
+Points are spread over clearance and pelvis roll. Quote the efficiency; the rate belongs to the machine, which must have
+two cores to spare. A worker is a process with one thread. How long a million gaits take on a cluster is worked out from
+the rate of one worker, the efficiency of two, and the processor time that the building process spends itself, for
+handing out, progress and index; it counts on a file system that keeps up. With --kill the library is built once more,
+its process killed three times at random moments (seeded) and taken up again; the index must come out byte for byte the
+same.
 """
 
 import argparse
@@ -48,6 +51,27 @@ def show(name: str, report: LibraryReport) -> None:
     )
 
 
+MILLION = 1_000_000
+
+CLUSTERS = (16, 64, 256, 1024)
+"""Workers."""
+
+
+def a_million(rate: float, efficiency: float, own: float) -> None:
+    """What a million gaits would take: workers at the measured rate and efficiency, the builder by itself.
+
+    Args:
+        rate: of one worker [1/s].
+        efficiency: of two workers [-].
+        own: processor time of the building process for a point [s].
+    """
+    print(f"the building process takes {1e3 * own:.2f} ms a point of its own, {MILLION * own / 3600.0:.2f} h a million")
+    for workers in CLUSTERS:
+        designing = MILLION / (rate * min(efficiency, 1.0) * workers)
+        # designing and handing out overlap; index and checks, the greater part of its own, do not
+        print(f"a million gaits on {workers:4} workers: {(designing + MILLION * own) / 3600.0:.1f} h")
+
+
 def killed_three_times(sweep: Sweep, folder: Path, seconds: float) -> None:
     """Build with two processes, killed at three random moments of the time that it takes undisturbed."""
     moments = random.Random(SEED)
@@ -82,16 +106,19 @@ def main() -> None:
     arguments = parser.parse_args()
     sweep = make_sweep(arguments.points)
     with tempfile.TemporaryDirectory() as folder:
-        reports = {}
+        reports, own = {}, 0.0
         for count in (1, 2):
             with worker_processes(count) as executor:
                 for future in [executor.submit(time.sleep, 0.5) for _ in range(count)]:
                     future.result()  # workers up and running
+                began = time.process_time()
                 reports[count] = build_library(sweep, Path(folder) / str(count), executor)
+                own = (time.process_time() - began) / reports[count].points
             show(f"{count} process(es)", reports[count])
         efficiency = reports[1].seconds / (2.0 * reports[2].seconds)
         same = (Path(folder) / "1/index.csv").read_bytes() == (Path(folder) / "2/index.csv").read_bytes()
         print(f"efficiency of two processes {efficiency:.2f}; index {'identical' if same else 'DIFFERENT'}")
+        a_million(reports[1].gaits_per_second, efficiency, own)
         if arguments.kill:
             killed_three_times(sweep, Path(folder) / "killed", reports[2].seconds)
             again = (Path(folder) / "killed/index.csv").read_bytes()

@@ -151,7 +151,7 @@ def test_controllers_of_ones_own(write, tmp_path):
     assert run_scenario(load_scenario(write(head.format("make") + "arguments = {share = 0.5}\n"))).passed
     limp = run_scenario(load_scenario(write(head.format("Limp"), "limp.scenario.toml")))
     assert not limp.passed
-    assert "walked 0 of 1 steps, then it fell" in str(limp)
+    assert "walked 0 of 1 step, then it fell" in str(limp)
     given = run_scenario(
         load_scenario(write("steps = 1\ngait = 'robust'")), controller=lambda b, g, period: QpController(b, g)
     )

@@ -16,7 +16,7 @@ from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation import save_trajectory
 from frontal_biped.simulation.csv_table import run_table, write_csv
 from frontal_biped.viewer import animation_page
-from frontal_biped.viewer.headless import write_gif, write_png
+from frontal_biped.viewer.headless import Film, opened_page, picture, write_gif, write_png
 
 ROUNDING = 1e-12
 
@@ -168,3 +168,22 @@ def test_pictures_show_the_robot(chromium, biped, orbit, tmp_path):
     blue_leg = (frames[0][..., 2] > frames[0][..., 0] + 60).mean()
     assert blue_leg > 0.002
     assert np.mean(np.abs(frames[0] - frames[2]).max(axis=-1) > 24) > 0.002
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+def test_frames_are_what_the_page_shows(chromium, biped, orbit):
+    """A frame put together of scene and surroundings is the screenshot; where the walk comes back nothing is drawn."""
+    html = animation_page(biped, orbit, plots=False, theme="light")
+    times = [0.0, 0.3, 0.9, 2.0]
+    with opened_page(html, (400, 480)) as page:
+        page.evaluate("document.body.classList.add('still')")
+        shots = [np.asarray(Image.open(io.BytesIO(picture(page, t, "main"))).convert("RGB")).astype(int) for t in times]
+        film = Film(page)
+        frames = [np.asarray(film.frame(t)).astype(int) for t in [*times, 0.3]]
+    for shot, frame in zip(shots, frames[:4], strict=True):
+        rows, columns = min(len(shot), len(frame)), min(shot.shape[1], frame.shape[1])
+        apart = np.abs(shot[:rows, :columns] - frame[:rows, :columns]).max(axis=-1)
+        assert (apart > 16).mean() < 1e-4
+    assert np.array_equal(frames[1], frames[4])
+    assert film.drawn == 4

@@ -261,6 +261,20 @@
 
   // ------------------------------------------------------------------ every frame
   let ready = false, last = -1, said = 0, motions = [];
+  const show = (time, say) => {
+    last = time;
+    if (slider.max !== String(duration())) slider.max = String(duration());
+    slider.value = String(time);
+    slider.style.setProperty("--done", (100 * time) / (duration() || 1) + "%");
+    at("clock").textContent = time.toFixed(2) + " / " + duration().toFixed(2) + " s";
+    for (const tell of captions) tell(time);
+    uncover(time);
+    leave(time);
+    for (const motion of motions) motion.pose(time);
+    goAlong(time);
+    viewer.set_dirty();
+    for (const plot of plots) plot.follow(time, say);
+  };
   const refresh = (clock) => {
     requestAnimationFrame(refresh);
     if (!ready && animator().duration > 0) {
@@ -276,21 +290,52 @@
     const time = now(), label = animator().playing ? "Pause" : "Play";
     if (play.textContent !== label) play.textContent = label;
     if (time === last) return;
-    last = time;
-    if (slider.max !== String(duration())) slider.max = String(duration());
-    slider.value = String(time);
-    slider.style.setProperty("--done", (100 * time) / (duration() || 1) + "%");
-    at("clock").textContent = time.toFixed(2) + " / " + duration().toFixed(2) + " s";
-    for (const tell of captions) tell(time);
-    uncover(time);
-    leave(time);
-    for (const motion of motions) motion.pose(time);
-    goAlong(time);
-    viewer.set_dirty();
     const say = !animator().playing || clock - said > 80; // digits that can be read
     if (say) said = clock;
-    for (const plot of plots) plot.follow(time, say);
+    show(time, say);
   };
   requestAnimationFrame(refresh);
-  window.page = { seek, now, duration, toggle, look: () => { turned = false; look(); } };
+
+  // What is drawn, as text: the camera, the place of every part to a tenth of a millimetre, and where only some of its
+  // triangles are drawn, these.
+  const drawn = () => {
+    const numbers = [], tell = (values) => { for (const value of values) numbers.push(Math.round(1e4 * value)); };
+    viewer.scene.updateMatrixWorld();
+    tell(viewer.camera.matrixWorld.elements);
+    viewer.scene.traverseVisible(({ geometry, matrixWorld }) => {
+      if (!geometry) return;
+      tell(matrixWorld.elements);
+      const { index, attributes, drawRange: { start, count } } = geometry;
+      for (let k = start; count < Infinity && k < start + count; k++) {
+        const corner = index ? index.getX(k) : k;
+        tell(["getX", "getY", "getZ"].map((axis) => attributes.position[axis](corner)));
+      }
+    });
+    return numbers.join();
+  };
+
+  // The scene at a time: its picture, or null if it has been given before under the same number; where in `main` it is;
+  // and whether what stands around it is another than the time before.
+  const given = new Map();
+  let around = "";
+  const picture = (time) => {
+    seek(time);
+    show(now(), true);
+    const text = drawn(), before = around, known = given.has(text);
+    if (known) viewer.needs_render = false;
+    else {
+      given.set(text, given.size);
+      viewer.render();
+    }
+    around = at("caption").innerHTML + at("inset").innerHTML; // the rest stays
+    const canvas = at("scene").querySelector("canvas");
+    const [whole, part] = [document.querySelector("main"), canvas].map((box) => box.getBoundingClientRect());
+    return {
+      number: given.get(text),
+      scene: known ? null : canvas.toDataURL(),
+      place: [Math.round(part.x - whole.x), Math.round(part.y - whole.y)],
+      changed: around !== before,
+    };
+  };
+  window.page = { seek, now, duration, toggle, picture, look: () => { turned = false; look(); } };
 })();
