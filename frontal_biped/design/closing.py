@@ -5,7 +5,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.problem import DesignProblem, Evaluation
+from frontal_biped.design.evaluation import Evaluation
+from frontal_biped.design.problem import DesignProblem
 from frontal_biped.design.variables import STEP_WIDTH
 from frontal_biped.gait.gait import Gait, RobotReference, converged_nodes, orbit_numbers
 from frontal_biped.gait.robot_path import named_description

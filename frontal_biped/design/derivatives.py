@@ -1,10 +1,12 @@
 """Exact derivatives of the calls into Pinocchio, as rules for `Dual` arrays.
 
-Inverse dynamics along a curve needs only first derivatives of RNEA: A = M q' is RNEA without gravity and velocity,
-B + G is RNEA at (q, q', q''), G at rest. No second derivative of the model appears. Each node is differentiated by
-its own q, q', q'' (4 each), and one product per node takes these to the P variables.
+Inverse dynamics along a curve needs only first derivatives of RNEA without gravity: A = M q' is that at (q, 0, q'),
+B at (q, q', q''). G is what a ground accelerated upwards by g would ask for, a column of M, and its derivative is read
+off M as well. No second derivative of the model appears. Each node is differentiated by its own q, q', q'' (4 each),
+and one product per node takes these to the P variables.
 """
 
+from dataclasses import dataclass
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -12,52 +14,38 @@ import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.forward_mode import Dual, chain
+from frontal_biped.design.side_by_side import GROUND, side_by_side
+from frontal_biped.design.tape import computed
 from frontal_biped.model.biped import BASE, FrontalBiped
 from frontal_biped.model.impact import landing_jacobian
 from frontal_biped.model.space.plane_masses import PlaneDynamics, PlaneMasses
 from frontal_biped.virtual_constraints.invariance import double_support_pose
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion
-from frontal_biped.zero_dynamics.restricted import ProjectedDynamics
+from frontal_biped.zero_dynamics.restricted import ProjectedDynamics, RestrictedDynamics
 
 WIDTH = BASE + 4
-_A, _B, _G, _SOLE = slice(0, WIDTH), slice(WIDTH, 2 * WIDTH), slice(2 * WIDTH, 3 * WIDTH), slice(3 * WIDTH, None)
-_ROWS = 3 * WIDTH + 2
 
 
 class Projection(NamedTuple):
     """What the model has to say along a curve of n configurations.
 
     Attributes:
-        dynamics: A, B, G, each (7, n).
+        restricted: the scalar dynamics.
         soles: (2, n) heights of the swing sole's inner and outer end [m].
     """
 
-    dynamics: ProjectedDynamics
+    restricted: RestrictedDynamics
     soles: FloatArray
-
-
-class _Calls:
-    """One Pinocchio model with its work data, and views of the results: reading them afresh costs as much as a call."""
-
-    def __init__(self, model: pin.Model) -> None:
-        self.model = model
-        self.data = model.createData()
-        self.tau, self.g, self.M, self.J = self.data.tau, self.data.g, self.data.M, self.data.J
-        self.dtau_dq, self.dtau_dv = self.data.dtau_dq, self.data.dtau_dv
-        self.swing_ankle = self.data.oMi[model.njoints - 1].translation
-
-    def __call__(self, q: FloatArray, v: FloatArray, a: FloatArray) -> None:
-        pin.computeRNEADerivatives(self.model, self.data, q, v, a)
 
 
 class DifferentiableBiped:
     """Final pose, impact, projected dynamics and sole heights of a robot, for `Dual` motions."""
 
     def __init__(self, biped: FrontalBiped) -> None:
-        self.biped = biped
-        weightless = biped.floating.copy()
-        weightless.gravity.linear = np.zeros(3)
-        self._heavy, self._weightless = _Calls(biped.floating.copy()), _Calls(weightless)
+        self.biped, self._many = biped, side_by_side(biped)
+        self._weightless = biped.floating.copy()
+        self._weightless.gravity.linear = np.zeros(3)
+        self._data = self._weightless.createData()
         # rows of the landing that are linear in (v+, L)
         outer, inner = biped.sole
         select = np.zeros((9, WIDTH + 3))
@@ -73,72 +61,72 @@ class DifferentiableBiped:
 
         By the implicit function theorem: the swing ankle stays at (step width, h_a) and the swing foot flat.
         """
-        pose = double_support_pose(self.biped, float(beta), float(step_width))
-        q = np.zeros(WIDTH)
-        q[BASE:] = pose
-        J = landing_jacobian(self.biped, q)[:, BASE:]
-        by_both = np.empty((4, 2))
-        by_both[0] = 1.0, 0.0
-        by_both[1:] = np.linalg.solve(J[:, 1:], np.array([-J[:, 0], [1.0, 0.0, 0.0]]).T)
-        return Dual.of(pose, np.stack([beta.derivative, step_width.derivative], axis=1) @ by_both.T)
 
-    def project(self, motions: list[ConstrainedMotion]) -> list[Projection]:
-        """`zero_dynamics.project_dynamics` and the sole heights, for `Dual` motions, all of them in one pass."""
-        blocks = _blocks(motions)
-        values, local = self._local(*(block[0] for block in blocks))
-        projections = []
-        for rows in _by_motion(values, local, blocks, motions):
-            A, B, G, soles = (cast("FloatArray", rows[part]) for part in (_A, _B, _G, _SOLE))
-            projections.append(Projection(ProjectedDynamics(A, B, G), soles))
-        return projections
+        def block() -> FloatArray:
+            pose = double_support_pose(self.biped, beta.value.item(), step_width.value.item())
+            q = np.zeros(WIDTH)
+            q[BASE:] = pose
+            J = landing_jacobian(self.biped, q)[:, BASE:]
+            by_both = np.empty((4, 2))
+            by_both[0] = 1.0, 0.0
+            by_both[1:] = np.linalg.solve(J[:, 1:], np.array([-J[:, 0], [1.0, 0.0, 0.0]]).T)
+            return Dual.of(pose, np.stack([beta.derivative, step_width.derivative], axis=1) @ by_both.T).block
 
-    def _local(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(n, rows) values and (n, rows, 10) derivatives with respect to q (4), dq (last 3) and ddq (last 3)."""
-        n = len(q)
-        tau_A, tau_B, tau_G = np.empty((3, n, WIDTH))
-        A_q, B_q, G_q, B_dq, M = np.empty((5, n, WIDTH, WIDTH))
-        J_v, ankle = np.empty((n, WIDTH)), np.empty((n, 3))
-        rest = np.zeros(WIDTH)
-        padded = np.zeros((3, n, WIDTH))
-        padded[0, :, BASE:], padded[1, :, BASE:], padded[2, :, BASE:] = q, dq, ddq
-        heavy, weightless = self._heavy, self._weightless
-        for i, (x, dx, ddx) in enumerate(zip(*padded, strict=True)):
-            G_q[i] = pin.computeGeneralizedGravityDerivatives(heavy.model, heavy.data, x)
-            tau_G[i] = heavy.g
-            heavy(x, dx, ddx)
-            tau_B[i], B_q[i], B_dq[i], M[i] = heavy.tau, heavy.dtau_dq, heavy.dtau_dv, heavy.M
-            weightless(x, rest, dx)
-            tau_A[i], A_q[i] = weightless.tau, weightless.dtau_dq
-            J_v[i], ankle[i] = weightless.J[1], weightless.swing_ankle
-        values = np.concatenate([tau_A, tau_B - tau_G, tau_G, np.empty((n, 2))], axis=1)
-        local = np.zeros((n, _ROWS, 10))
-        local[:, _A, :4], local[:, _A, 4:7] = A_q[:, :, BASE:], M[:, :, BASE + 1 :]
-        local[:, _B, :4] = B_q[:, :, BASE:] - G_q[:, :, BASE:]
-        local[:, _B, 4:7], local[:, _B, 7:] = B_dq[:, :, BASE + 1 :], M[:, :, BASE + 1 :]
-        local[:, _G, :4] = G_q[:, :, BASE:]
-        values[:, _SOLE], local[:, _SOLE, :4] = self._sole_heights(q, ankle, J_v[:, BASE:])
-        return values, local
+        return Dual(computed(beta.tape, block), beta.tape)
 
-    def _sole_heights(self, q: FloatArray, ankle: FloatArray, J_v: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def project(self, motion: ConstrainedMotion) -> Projection:
+        """`zero_dynamics.on_constraints` and the sole heights, for a `Dual` motion of n nodes."""
+        tape, nodes = cast("Dual", motion.q).tape, _NodeDynamics()
+
+        def block() -> FloatArray:
+            at = nodes.at = _NodeVariables.of(motion)
+            n = len(at.q)
+            # A is inverse dynamics at (q, 0, q'), B at (q, q', q'')
+            found = self._many.at(
+                np.concatenate([at.q, at.q]),
+                np.concatenate([np.zeros_like(at.dq), at.dq]),
+                np.concatenate([at.dq, at.ddq]),
+            )
+            weight = self._many.weight(found.by_ddq[n:])
+            nodes.values = np.stack([found.tau[:n], found.tau[n:], weight.tau], axis=1)
+            local = nodes.local = np.zeros((n, 3, WIDTH, 10))
+            local[:, 0, :, :4], local[:, 1, :, :4], local[:, 2, :, :4] = found.by_q[:n], found.by_q[n:], weight.by_q
+            local[:, 0, :, 4:7] = local[:, 1, :, 7:] = found.by_ddq[n:, :, 1:]
+            local[:, 1, :, 4:7] = found.by_dq[n:, :, 1:]
+            rows, by_node = np.empty((n, 11)), np.zeros((n, 11, 10))
+            rows[:, :9] = nodes.values[:, :, GROUND].reshape(n, 9)
+            by_node[:, :9] = local[:, :, GROUND].reshape(n, 9, 10)
+            rows[:, 9:], by_node[:, 9:, :4] = self._sole_heights(at.q, found.J[n:])
+            return at.carried(rows, by_node)
+
+        rows = Dual(computed(tape, block), tape)
+        projected = ProjectedDynamics(*(cast("FloatArray", rows[BASE * i : BASE * (i + 1)]) for i in range(3)))
+        restricted = DifferentiatedDynamics(projected, motion.p_fri, motion.dp_fri, nodes)
+        return Projection(restricted, cast("FloatArray", rows[3 * BASE :]))
+
+    def _sole_heights(self, q: FloatArray, J: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(n, 2) heights of both ends and (n, 2, 4) derivatives.
 
-        Turning a joint lifts a point by its horizontal lever; row 1 of the world Jacobian J_v (n, 4) is minus the
-        horizontal position of each joint.
+        Turning a joint moves a point by a quarter turn of its lever: the columns of J (n, 2, 4), the velocity of the
+        world's origin as if it belonged to the foot, are the vertical and minus the horizontal place of each joint.
         """
         rotation = self.biped.swing_foot_rotation(q)[:, None]
         h_a = self.biped.ankle_height
         ends = np.array([-self.biped.chain.sole_inner, self.biped.chain.sole_outer])
         cos, sin = np.cos(rotation), np.sin(rotation)
-        heights = ankle[:, 1:2] + sin * ends - cos * h_a
-        horizontal = ankle[:, 0:1] + cos * ends + sin * h_a
-        return heights, horizontal[:, :, None] + J_v[:, None, :]
+        ankle_h, ankle_v = -J[:, 1, -1:], J[:, 0, -1:]
+        horizontal = ankle_h + cos * ends + sin * h_a
+        return ankle_v + sin * ends - cos * h_a, horizontal[:, :, None] + J[:, None, 1]
 
     def impact(self, q_minus: Dual, dq_minus: Dual) -> Dual:
         """(11,) relabelled dq+ (4), impulse (3), lift-off (2) and touchdown (2) vertical velocities of the soles.
 
         Differentiates M (v+ - v-) = J' L and J v+ = 0 with respect to q and v-.
         """
-        biped, weightless = self.biped, self._weightless
+        return Dual(computed(q_minus.tape, lambda: self._impact(q_minus, dq_minus)), q_minus.tape)
+
+    def _impact(self, q_minus: Dual, dq_minus: Dual) -> FloatArray:
+        biped, data = self.biped, self._data
         q, v_minus = np.zeros(WIDTH), np.zeros(WIDTH)
         q[BASE:], v_minus[BASE:] = q_minus.value, dq_minus.value
         J = landing_jacobian(biped, q)
@@ -149,18 +137,16 @@ class DifferentiableBiped:
         solution = inverse[:, :WIDTH] @ (M @ v_minus)
         v_plus, L = solution[:WIDTH], solution[WIDTH:]
 
-        weightless(q, np.zeros(WIDTH), v_plus - v_minus)
+        pin.computeRNEADerivatives(self._weightless, data, q, np.zeros(WIDTH), v_plus - v_minus)
         right_q = np.empty((WIDTH + 3, 4))
         hessian = _planar_hessian(J)
         right_q[:WIDTH] = (L @ hessian.reshape(3, -1)).reshape(WIDTH, WIDTH)[:, BASE:]  # d(J' L)/dq
-        right_q[:WIDTH] -= weightless.dtau_dq[:, BASE:]  # d(M dv)/dq
+        right_q[:WIDTH] -= data.dtau_dq[:, BASE:]  # d(M dv)/dq
         right_q[WIDTH:] = -(v_plus @ hessian)[:, BASE:]  # d(J v+)/dq
         solution_q, solution_v = inverse @ right_q, inverse[:, :WIDTH] @ M[:, BASE:]
 
         # vertical velocity of a sole end = that of the ankle + rotation rate * horizontal lever, flat at impact
-        heights_q = self._sole_heights(q_minus.value[None], weightless.swing_ankle[None], weightless.J[1:2, BASE:])[1][
-            0
-        ]
+        heights_q = self._sole_heights(q_minus.value[None], data.J[None, :2, BASE:])[1][0]
         rate = float(J[2] @ v_minus)
         rotation = biped.swing_foot_rotation(q_minus.value)
         ends = np.array([-biped.chain.sole_inner, biped.chain.sole_outer])
@@ -170,54 +156,114 @@ class DifferentiableBiped:
         value = np.concatenate([rows @ solution, heights_q @ dq_minus.value])
         by_q = np.concatenate([rows @ solution_q, touch_q])
         by_v = np.concatenate([rows @ solution_v, heights_q])
-        both = chain(value, by_q, q_minus)
-        both.derivative[:] += dq_minus.derivative @ by_v.T
+        both = chain(value, by_q, q_minus).block
+        both[1:] += dq_minus.derivative @ by_v.T
         return both
 
 
+@dataclass(frozen=True)
+class _NodeVariables:
+    """What each of n nodes is differentiated by: q, q', q'', the last two without the stance ankle's, which are fixed.
+
+    Attributes:
+        q: (n, 4) [rad].
+        dq: (n, 4) [-].
+        ddq: (n, 4) [1/rad].
+        inner: (n, 10, P) their derivatives.
+    """
+
+    q: FloatArray
+    dq: FloatArray
+    ddq: FloatArray
+    inner: FloatArray
+
+    @classmethod
+    def of(cls, motion: ConstrainedMotion) -> "_NodeVariables":
+        """The nodes of a `Dual` motion."""
+        q, dq, ddq = (cast("Dual", motion[part]).block for part in range(3))
+        inner = np.concatenate([q[1:], dq[1:, :, 1:], ddq[1:, :, 1:]], axis=2).transpose(1, 2, 0)
+        return cls(q[0], dq[0], ddq[0], np.ascontiguousarray(inner))
+
+    def carried(self, values: FloatArray, local: FloatArray, *further: FloatArray) -> FloatArray:
+        """From each node's own variables to all P.
+
+        Args:
+            values: (n, rows) at the nodes.
+            local: (n, rows, 10 + f) their derivatives, columns as in ``inner``, then those of ``further``.
+            further: f more variables of a node, the derivatives (P, n) of each.
+
+        Returns:
+            (1 + P, rows, n), the block of a `Dual`.
+        """
+        inner = self.inner
+        if further:
+            inner = np.concatenate([inner, np.stack(further).transpose(2, 0, 1)], axis=1)
+        block = np.empty((1 + inner.shape[2], values.shape[1], len(values)))
+        block[0], block[1:] = values.T, (local @ inner).transpose(2, 1, 0)
+        return block
+
+
+class _NodeDynamics:
+    """A, B and G of w = A ddbeta + B dbeta^2 + G at n nodes, as last computed.
+
+    Attributes:
+        at: what the nodes are differentiated by.
+        values: (n, 3, 7) A, B, G; rows as in `zero_dynamics.restricted`.
+        local: (n, 3, 7, 10) their derivatives.
+    """
+
+    at: _NodeVariables
+    values: FloatArray
+    local: FloatArray
+
+    def forces(self, acceleration: Dual, squared: Dual) -> FloatArray:
+        """(1 + P, 7, n) of w, each node differentiated by ddbeta and dbeta^2 as well before it is carried to all P."""
+        A, B, G = self.values.transpose(1, 0, 2)
+        A_by, B_by, G_by = self.local.transpose(1, 0, 2, 3)
+        a, b = acceleration.value[:, None], squared.value[:, None]
+        local = np.empty((*A.shape, 12))
+        local[:, :, :10] = A_by * a[:, :, None] + B_by * b[:, :, None] + G_by
+        local[:, :, 10], local[:, :, 11] = A, B
+        return self.at.carried(A * a + B * b + G, local, acceleration.derivative, squared.derivative)
+
+
+@dataclass(frozen=True)
+class DifferentiatedDynamics(RestrictedDynamics):
+    """The scalar dynamics of a `Dual` motion; of A, B and G it has the rows of the ground, all that the orbit needs."""
+
+    nodes: _NodeDynamics
+
+    def forces(self, dbeta_squared: FloatArray) -> FloatArray:
+        """As `RestrictedDynamics`."""
+        squared, acceleration = cast("Dual", dbeta_squared), cast("Dual", self.acceleration(dbeta_squared))
+        block = computed(squared.tape, lambda: self.nodes.forces(acceleration, squared))
+        return cast("FloatArray", Dual(block, squared.tape))
+
+
 def plane_dynamics(masses: PlaneMasses, motions: list[ConstrainedMotion]) -> list[PlaneDynamics]:
-    """`PlaneMasses.along` for `Dual` motions, all of them in one pass."""
-    blocks = _blocks(motions)
-    n = blocks[0].shape[1]
-    local = [np.zeros((11, n, 4)) for _ in blocks]
-    for block, at in zip(local, blocks, strict=True):
-        block[0] = at[0]
-    for variable, (part, joint) in enumerate(_LOCAL):
-        local[part][1 + variable, :, joint] = 1.0
-    found = masses.along(*(cast("FloatArray", Dual(block)) for block in local))
-    each = np.concatenate([cast("Dual", part).block for part in found], axis=1)  # (11, 15, n)
-    rows = _by_motion(each[0].T, each[1:].transpose(2, 1, 0), blocks, motions)
-    return [PlaneDynamics(*(cast("FloatArray", row[5 * i : 5 * i + 5]) for i in range(3))) for row in rows]
+    """`PlaneMasses.along` for `Dual` motions."""
+    return [_plane_dynamics(masses, motion) for motion in motions]
+
+
+def _plane_dynamics(masses: PlaneMasses, motion: ConstrainedMotion) -> PlaneDynamics:
+    tape = cast("Dual", motion.q).tape
+
+    def block() -> FloatArray:
+        at = _NodeVariables.of(motion)
+        local = np.zeros((3, 11, len(at.q), 4))
+        local[:, 0] = at.q, at.dq, at.ddq
+        for variable, (part, joint) in enumerate(_LOCAL):
+            local[part, 1 + variable, :, joint] = 1.0
+        found = masses.along(*(cast("FloatArray", Dual(own)) for own in local))
+        each = np.concatenate([cast("Dual", part).block for part in found], axis=1)  # (11, 15, n)
+        return at.carried(each[0].T, each[1:].transpose(2, 1, 0))
+
+    rows = Dual(computed(tape, block), tape)
+    return PlaneDynamics(*(cast("FloatArray", rows[5 * i : 5 * i + 5]) for i in range(3)))
 
 
 _LOCAL = [*((0, joint) for joint in range(4)), *((part, joint) for part in (1, 2) for joint in range(1, 4))]
-"""What a node is differentiated by: q, q' or q'' (0, 1, 2) of which joint; q' and q'' of the stance ankle are fixed."""
-
-
-def _blocks(motions: list[ConstrainedMotion]) -> list[FloatArray]:
-    """(1 + P, n, 4) q, q', q'' of all motions, one behind the other."""
-    return [np.concatenate([cast("Dual", motion[part]).block for motion in motions], axis=1) for part in range(3)]
-
-
-def _by_motion(
-    values: FloatArray, local: FloatArray, blocks: list[FloatArray], motions: list[ConstrainedMotion]
-) -> list[Dual]:
-    """From each node's own variables to all P.
-
-    Args:
-        values: (n, rows) at the nodes.
-        local: (n, rows, 10) their derivatives, columns as in `_LOCAL`.
-        blocks: of `_blocks`.
-        motions: to which the nodes belong.
-
-    Returns:
-        The rows (rows, n) of each motion.
-    """
-    q, dq, ddq = blocks
-    inner = np.concatenate([q[1:], dq[1:, :, 1:], ddq[1:, :, 1:]], axis=2).transpose(1, 2, 0)
-    block = np.concatenate([values[:, :, None], local @ inner], axis=2).transpose(2, 1, 0)  # (1 + P, rows, n)
-    ends = np.cumsum([len(motion.q) for motion in motions])[:-1]
-    return [Dual(np.ascontiguousarray(part)) for part in np.split(block, ends, axis=2)]
+"""What a node is differentiated by: q, q' or q'' (0, 1, 2) of which joint."""
 
 
 def _planar_hessian(J: FloatArray) -> FloatArray:

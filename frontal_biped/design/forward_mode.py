@@ -1,7 +1,8 @@
 """Forward-mode differentiation of array formulas: a value and its derivatives with respect to P variables.
 
 The closed-form zero dynamics is written once, for arrays. Handed `Dual` arrays instead, the same lines yield exact
-derivatives; only the calls into Pinocchio need rules of their own (`design.derivatives`).
+derivatives; only the calls into Pinocchio need rules of their own (`design.derivatives`). What is done is written to
+the tape of the variables, where they have one (`design.tape`).
 """
 
 from collections.abc import Callable, Sequence
@@ -10,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.design.tape import Tape, computed, done, looked_at, written
 
 
 class Dual:
@@ -20,13 +22,14 @@ class Dual:
 
     Attributes:
         block: (1 + P, ...) the value, followed by its derivative with respect to each variable.
+        tape: where operations on it are recorded; None: nowhere.
     """
 
-    __slots__ = ("block",)
+    __slots__ = ("block", "tape")
     __array_priority__ = 100.0
 
-    def __init__(self, block: FloatArray) -> None:
-        self.block = block
+    def __init__(self, block: FloatArray, tape: Tape | None = None) -> None:
+        self.block, self.tape = block, tape
 
     @classmethod
     def of(cls, value: FloatArray, derivative: FloatArray) -> "Dual":
@@ -36,7 +39,7 @@ class Dual:
     @property
     def value(self) -> FloatArray:
         """(...) values."""
-        return self.block[0]
+        return self.block[0, ...]
 
     @property
     def derivative(self) -> FloatArray:
@@ -58,23 +61,29 @@ class Dual:
         return self.block.shape[1]
 
     def __getitem__(self, key: Any) -> "Dual":
-        return Dual(self.block[(slice(None), *key) if isinstance(key, tuple) else (slice(None), key)])
+        if isinstance(key, np.ndarray):
+            return Dual(done(self.tape, np.take, self.block, key, 1), self.tape)
+        of_block = (slice(None), *key) if isinstance(key, tuple) else (slice(None), key)
+        return Dual(looked_at(self.tape, self.block, lambda block: block[of_block]), self.tape)
 
     def __float__(self) -> float:
+        if self.tape is not None:
+            raise TypeError("a number taken out of a recorded array would stay what it is")
         return float(self.block[0])
 
     @property
     def T(self) -> "Dual":
         """Transpose."""
-        return Dual(self.block.transpose(0, *range(self.block.ndim - 1, 0, -1)))
+        return Dual(self.block.transpose(0, *range(self.block.ndim - 1, 0, -1)), self.tape)
 
     def reshape(self, *shape: int) -> "Dual":
         """The values in another shape."""
-        return Dual(self.block.reshape(len(self.block), *shape))
+        of_block = (len(self.block), *shape)
+        return Dual(looked_at(self.tape, self.block, lambda block: block.reshape(of_block)), self.tape)
 
     def sum(self, axis: int) -> "Dual":
         """Sum over an axis, counted from the front."""
-        return Dual(self.block.sum(axis=axis + 1))
+        return Dual(done(self.tape, np.add.reduce, self.block, axis + 1, None), self.tape)
 
     # ------------------------------------------------------------------ dispatch from NumPy
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
@@ -100,7 +109,7 @@ class Dual:
         return _subtract(other, self)
 
     def __neg__(self) -> "Dual":
-        return Dual(-self.block)
+        return Dual(done(self.tape, np.negative, self.block), self.tape)
 
     def __mul__(self, other: Any) -> "Dual":
         return _multiply(self, other)
@@ -123,9 +132,11 @@ class Dual:
         return _matmul(constant, self)
 
 
-def independent(values: FloatArray) -> Dual:
+def independent(values: FloatArray, tape: Tape | None = None) -> Dual:
     """(P,) variables to differentiate by."""
-    return Dual.of(np.asarray(values, dtype=float), np.eye(len(values)))
+    variables = Dual.of(np.asarray(values, dtype=float), np.eye(len(values)))
+    variables.tape = tape
+    return variables
 
 
 def chain(value: FloatArray, outer: FloatArray, inner: Dual) -> Dual:
@@ -135,12 +146,17 @@ def chain(value: FloatArray, outer: FloatArray, inner: Dual) -> Dual:
 
 def elementwise(a: Dual, value: FloatArray, slope: FloatArray) -> Dual:
     """A function of each element, known by its values and slopes, both of a's shape or repeating it."""
-    block = _widened(a.block, np.ndim(slope)) * slope
-    block[0] = value
-    return Dual(block)
+    block = done(a.tape, np.multiply, _widened(a.block, np.ndim(slope)), slope)
+    written(a.tape, np.copyto, block[0, ...], value)
+    return Dual(block, a.tape)
 
 
 # ---------------------------------------------------------------------- rules
+def _tape(*parts: Any) -> Tape | None:
+    """Of the operands: the first that there is."""
+    return next((part.tape for part in parts if isinstance(part, Dual) and part.tape is not None), None)
+
+
 def _aligned(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Blocks with as many axes: NumPy lines up trailing axes, but the first axis of a block is its own."""
     return _widened(a, b.ndim - 1), _widened(b, a.ndim - 1)
@@ -149,97 +165,112 @@ def _aligned(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _widened(block: FloatArray, ndim: int) -> FloatArray:
     """The block of values with at least ``ndim`` axes, new ones in front."""
     missing = ndim + 1 - block.ndim
-    return block if missing <= 0 else block.reshape(len(block), *(1,) * missing, *block.shape[1:])
+    return block if missing <= 0 else np.expand_dims(block, tuple(range(1, 1 + missing)))
 
 
-def _plus_constant(block: FloatArray, constant: Any) -> Dual:
+def _plus_constant(block: FloatArray, constant: Any, tape: Tape | None) -> Dual:
     """Only the value moves; a constant of more axes or elements repeats the derivatives."""
     shape = np.broadcast_shapes(block.shape[1:], np.shape(constant))
-    if shape == block.shape[1:]:
-        block = block.copy()
-    else:
-        block = np.broadcast_to(_widened(block, len(shape)), (len(block), *shape)).copy()
-    block[0] += constant
-    return Dual(block)
+    source = np.broadcast_to(_widened(block, len(shape)), (len(block), *shape))
+    moved = np.empty(source.shape)
+    written(tape, np.copyto, moved, source)
+    written(tape, np.add, moved[0, ...], constant, moved[0, ...])
+    return Dual(moved, tape)
 
 
 def _add(a: Any, b: Any) -> Dual:
     if not isinstance(a, Dual):
         a, b = b, a
+    tape = _tape(a, b)
     if not isinstance(b, Dual):
-        return _plus_constant(a.block, b)
-    left, right = _aligned(a.block, b.block)
-    return Dual(left + right)
+        return _plus_constant(a.block, b, tape)
+    return Dual(done(tape, np.add, *_aligned(a.block, b.block)), tape)
 
 
 def _subtract(a: Any, b: Any) -> Dual:
     if not isinstance(b, Dual):
-        return _plus_constant(a.block, -np.asarray(b))
+        return _plus_constant(a.block, -np.asarray(b), a.tape)
     if not isinstance(a, Dual):
-        return _plus_constant(-b.block, a)
-    left, right = _aligned(a.block, b.block)
-    return Dual(left - right)
+        return _plus_constant(done(b.tape, np.negative, b.block), a, b.tape)
+    tape = _tape(a, b)
+    return Dual(done(tape, np.subtract, *_aligned(a.block, b.block)), tape)
 
 
 def _multiply(a: Any, b: Any) -> Dual:
     if not isinstance(a, Dual):
         a, b = b, a
+    tape = _tape(a, b)
     if not isinstance(b, Dual):
-        return Dual(_widened(a.block, np.ndim(b)) * b)
+        return Dual(done(tape, np.multiply, _widened(a.block, np.ndim(b)), b), tape)
     left, right = _aligned(a.block, b.block)
-    block = left[0] * right
-    block[1:] += right[0] * left[1:]
-    return Dual(block)
+    block = done(tape, np.multiply, left[0, ...], right)
+    other = done(tape, np.multiply, right[0, ...], left[1:])
+    written(tape, np.add, block[1:], other, block[1:])
+    return Dual(block, tape)
 
 
 def _divide(a: Any, b: Any) -> Dual:
     if not isinstance(b, Dual):
         return _multiply(a, 1.0 / np.asarray(b))
+    tape = _tape(a, b)
+    inverse = done(tape, np.divide, 1.0, _aligned(a.block, b.block)[1][0, ...] if isinstance(a, Dual) else b.value)
     if not isinstance(a, Dual):
-        inverse = 1.0 / b.value
-        quotient = a * inverse
-        return elementwise(b, quotient, -quotient * inverse)
+        quotient = done(tape, np.multiply, a, inverse)
+        return elementwise(b, quotient, done(tape, np.multiply, done(tape, np.negative, quotient), inverse))
     left, right = _aligned(a.block, b.block)
-    inverse = 1.0 / right[0]
-    quotient = left[0] * inverse
-    block = left - quotient * right
-    block *= inverse
-    block[0] = quotient
-    return Dual(block)
+    quotient = done(tape, np.multiply, left[0, ...], inverse)
+    block = done(tape, np.multiply, quotient, right)
+    written(tape, np.subtract, left, block, block)
+    written(tape, np.multiply, block, inverse, block)
+    written(tape, np.copyto, block[0, ...], quotient)
+    return Dual(block, tape)
 
 
 def _power(a: Dual, exponent: float) -> Dual:
-    value = a.value
+    tape, value = a.tape, a.value
     if exponent == 2:
-        return elementwise(a, value * value, 2.0 * value)
-    return elementwise(a, value**exponent, exponent * value ** (exponent - 1))
+        return elementwise(a, done(tape, np.multiply, value, value), done(tape, np.multiply, 2.0, value))
+    slope = done(tape, np.multiply, exponent, done(tape, np.power, value, exponent - 1))
+    return elementwise(a, done(tape, np.power, value, exponent), slope)
 
 
 def _matmul(a: Any, b: Any) -> Dual:
     if isinstance(a, Dual) and isinstance(b, Dual):
         raise TypeError("the product of two differentiated matrices is not supported")
+    tape = _tape(a, b)
     if isinstance(a, Dual):  # rows of all derivatives at once
-        product = a.block.reshape(-1, a.block.shape[-1]) @ b
-        return Dual(product.reshape(*a.block.shape[:-1], *b.shape[1:]))
+        columns = a.block.shape[-1]
+        rows = looked_at(tape, a.block, lambda block: block.reshape(-1, columns))
+        return Dual(done(tape, np.matmul, rows, b).reshape(*a.block.shape[:-1], *b.shape[1:]), tape)
     if b.ndim == 1:
-        return Dual(b.block @ a.T)
-    return Dual(a @ b.block)
+        return Dual(done(tape, np.matmul, b.block, a.T), tape)
+    return Dual(done(tape, np.matmul, a, b.block), tape)
 
 
 def _minimum(a: Any, b: Any) -> Dual:
     """The smaller one with its derivative; where both are equal, the first one's."""
+    tape = _tape(a, b)
     left, right = np.broadcast_arrays(*_aligned(*_lift(a, b)))
-    return Dual(np.where(left[0] <= right[0], left, right))
+    return Dual(computed(tape, lambda: np.where(left[0] <= right[0], left, right)), tape)
 
 
 def _sqrt(a: Dual) -> Dual:
-    root = np.sqrt(a.value)
-    return elementwise(a, root, 0.5 / root)
+    root = done(a.tape, np.sqrt, a.value)
+    return elementwise(a, root, done(a.tape, np.divide, 0.5, root))
 
 
 def _exp(a: Dual) -> Dual:
-    value = np.exp(a.value)
+    value = done(a.tape, np.exp, a.value)
     return elementwise(a, value, value)
+
+
+def _sin(a: Dual) -> Dual:
+    return elementwise(a, done(a.tape, np.sin, a.value), done(a.tape, np.cos, a.value))
+
+
+def _cos(a: Dual) -> Dual:
+    slope = done(a.tape, np.negative, done(a.tape, np.sin, a.value))
+    return elementwise(a, done(a.tape, np.cos, a.value), slope)
 
 
 def _lift(*parts: Any) -> list[FloatArray]:
@@ -257,11 +288,15 @@ def _lift(*parts: Any) -> list[FloatArray]:
 
 
 def _concatenate(parts: Sequence[Any], axis: int = 0) -> Dual:
-    return Dual(np.concatenate(_lift(*parts), axis=axis + 1))
+    tape = _tape(*parts)
+    return Dual(done(tape, np.concatenate, _lift(*parts), axis + 1), tape)
 
 
 def _stack(parts: Sequence[Any], axis: int = 0) -> Dual:
-    return Dual(np.stack(_lift(*parts), axis=axis + 1))
+    tape = _tape(*parts)
+    return Dual(
+        done(tape, np.concatenate, [np.expand_dims(block, axis + 1) for block in _lift(*parts)], axis + 1), tape
+    )
 
 
 _UFUNCS: dict[np.ufunc, Callable[..., Any]] = {
@@ -276,13 +311,14 @@ _UFUNCS: dict[np.ufunc, Callable[..., Any]] = {
     np.minimum: _minimum,
     np.sqrt: _sqrt,
     np.exp: _exp,
-    np.sin: lambda a: elementwise(a, np.sin(a.value), np.cos(a.value)),
-    np.cos: lambda a: elementwise(a, np.cos(a.value), -np.sin(a.value)),
+    np.sin: _sin,
+    np.cos: _cos,
 }
 
 _FUNCTIONS: dict[Any, Callable[..., Any]] = {
     np.concatenate: _concatenate,
     np.stack: _stack,
+    np.atleast_1d: lambda a: Dual(_widened(a.block, 1), a.tape),
     np.ones_like: lambda a: np.ones_like(a.value),
     np.zeros_like: lambda a: np.zeros_like(a.value),
 }

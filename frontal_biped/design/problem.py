@@ -5,21 +5,23 @@ the one equality left is periodicity, Z(beta_r-) = 0, with beta_r- a decision va
 quadrature nodes from the reversal with exact derivatives.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
-from typing import ClassVar, cast
+from typing import ClassVar, NamedTuple, cast
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.design.both_phases import BothPhases
 from frontal_biped.design.derivatives import DifferentiableBiped, plane_dynamics
 from frontal_biped.design.ends import Periodic, StepEnds
-from frontal_biped.design.forward_mode import Dual, elementwise, independent
+from frontal_biped.design.evaluation import Evaluation, Quantities, RecordedEvaluation
+from frontal_biped.design.forward_mode import Dual
 from frontal_biped.design.rows import MarginLayout, MarginRow, lay_out
+from frontal_biped.design.tape import computed
 from frontal_biped.design.trust_region_sqp import largest_violation
 from frontal_biped.design.variables import BETA_IMPACT, STEP_WIDTH, VariableLayout
-from frontal_biped.exceptions import UnreachablePoseError
 from frontal_biped.gait.constraints import Constraint, SoleHeights, step_constraints
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.holding_wrench import HoldingWrench, StepHolding
@@ -38,18 +40,14 @@ from frontal_biped.virtual_constraints.invariance import (
     final_falling_slope,
     rising_parameters,
 )
-from frontal_biped.virtual_constraints.phase import Phase, StepPhase, phase_basis
-from frontal_biped.zero_dynamics.orbit import PhaseOrbit, integrate_from_reversal
+from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.zero_dynamics.orbit import PhaseOrbit
 from frontal_biped.zero_dynamics.poincare import StepOrbit
-from frontal_biped.zero_dynamics.restricted import TORQUES, RestrictedDynamics
+from frontal_biped.zero_dynamics.restricted import TORQUES
 
 FLOOR_Z = 1e-2
 """Below this zeta/tau^2 [kg^2 m^4/s^2] the square root is continued smoothly, so that an iterate without an orbit
 still has a cost and a gradient; a gait has values of about 10."""
-
-
-WORKABLE = 30.0
-"""Scaled violation up to which linearised constraints lead anywhere: thirty times a typical size."""
 
 COLUMN_REACH = 3.0
 """How far a Bezier column may be from that of the start [rad]."""
@@ -59,33 +57,6 @@ ANGLE_REACH = 0.15
 
 LEAST_TIGHTENING = 1e-7
 """Least scaled distance that a bound is moved inwards by: what counts as feasible to the optimiser."""
-
-RESTORATIONS = 12
-"""Halvings of the way from a start without an orbit to the default start."""
-
-
-@dataclass(frozen=True)
-class Evaluation:
-    """Objective and constraints at one point, with first derivatives.
-
-    Attributes:
-        cost: J [N^2 m s].
-        cost_gradient: (P,).
-        residual_jacobian: (8 n, P) of the weighted torques, whose squares add up to J.
-        equality: (e,) periodicity defect, in units of 0.1 rad^2/s^2; then, of outputs with a lower degree than the
-            highest, the differences of the columns that must vanish, in units of 0.1 rad.
-        equality_jacobian: (e, P).
-        margins: (k,) scaled margins, >= 0 where satisfied.
-        margins_jacobian: (k, P).
-    """
-
-    cost: float
-    cost_gradient: FloatArray
-    residual_jacobian: FloatArray
-    equality: FloatArray
-    equality_jacobian: FloatArray
-    margins: FloatArray
-    margins_jacobian: FloatArray
 
 
 class DesignProblem:
@@ -132,14 +103,13 @@ class DesignProblem:
         if specification.bounds_holding_wrench:
             self._in_space = [(sole, PlaneMasses.of(biped, sole.side)) for sole in biped.robot.soles]
         M, F = max(specification.degrees), specification.fri_degree
-        tau_squared = self.rule.tau**2
-        self._rising_basis = phase_basis(M, F, 1.0 - tau_squared)
-        self._falling_basis = phase_basis(M, F, tau_squared)
+        self._both = BothPhases(self.rule, M, F)
         self.layout = VariableLayout(M, F)
         self.size = self.layout.size
         self.tighten_by = tighten_by
         self._tightened: dict[tuple[str, str], float] = {}
         self._margins: MarginLayout | None = None
+        self._recorded: RecordedEvaluation | None = None
 
     def on_nodes(self, size: int, tighten_by: float = 0.0) -> "DesignProblem":
         """The same problem on ``size`` quadrature nodes a phase, tightened by no more than ``tighten_by``."""
@@ -204,38 +174,33 @@ class DesignProblem:
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")
     def evaluate(self, x: FloatArray) -> Evaluation:
         """Objective and constraints at x (P,), with exact derivatives."""
-        step, soles, surplus = self._step(independent(x))
-        lifted = step._replace(
-            rising=above_floor(step.rising),
-            falling=above_floor(step.falling),
-        )
-        holding = self.holding(lifted)
+        if self._recorded is None:
+            self._recorded = RecordedEvaluation(x, self._quantities)
+        else:
+            self._recorded.move(x)
+        return self._recorded.evaluation(self._layout)
+
+    def _quantities(self, x: Dual) -> Quantities:
+        free, q_minus, landing = self.landing(x)
+        departure = self.ends.departure
+        begin = StepBegin(q_minus, landing.slope) if departure is None else departure.begin
+        found = self.step_from(begin, free, q_minus, landing)
         constraints = step_constraints(
-            self.biped, self.specification, lifted, soles, departure=self.departing, holding=holding
+            self.biped, self.specification, found.lifted, found.soles, departure=self.departing, holding=found.holding
         )
         # the orbit itself must exist, whatever the floor says
         constraints += [
-            Constraint("", "orbit", "", orbit.z, FLOOR_Z, None, 10.0) for orbit in (step.rising, step.falling)
+            Constraint("", "orbit", "", orbit.z, FLOOR_Z, None, 10.0)
+            for orbit in (found.step.rising, found.step.falling)
         ]
+        balance = np.stack(self.ends.balance(found.step))
+        return Quantities(constraints, cast("Dual", np.concatenate([balance, *found.surplus])), found.torques)
+
+    def _layout(self, constraints: Sequence[Constraint]) -> MarginLayout:
+        """Rows of margins under the bounds as they are tightened now."""
         if self._margins is None:
             self._margins = lay_out(constraints, self._distance)
-        layout = self._margins
-        values = cast("Dual", np.concatenate([constraint.values for constraint in constraints])).block[:, layout.picks]
-        equality = cast("Dual", np.concatenate([np.stack(self.ends.balance(step)), *surplus]))
-        # J is the sum of the squares of these
-        torques = np.concatenate(
-            [weighted_torques(orbit, lifted.step_width) for orbit in (lifted.rising, lifted.falling)]
-        )
-        residual, residual_jacobian = cast("Dual", torques).value, cast("Dual", torques).derivative.T
-        return Evaluation(
-            float(residual @ residual),
-            2.0 * residual @ residual_jacobian,
-            residual_jacobian,
-            equality.value / 0.1,
-            equality.derivative.T / 0.1,
-            (values[0] - layout.bound) * layout.factor,
-            (values[1:] * layout.factor).T,
-        )
+        return self._margins
 
     def phases(self, x: FloatArray) -> tuple[Phase, Phase]:
         """Rising and falling phase at x (P,).
@@ -260,23 +225,6 @@ class DesignProblem:
         """What the margins of the last evaluation mean, in their order."""
         return () if self._margins is None else self._margins.meaning
 
-    def restored(self, x: FloatArray) -> FloatArray:
-        """The point itself, or where the formulas have no value there, one on the way to the default start.
-
-        I_P next to zero, a knee of the polynomials beyond reach: half-way back, until the values are of a size that
-        an optimiser can work with.
-        """
-        start = self.start()
-        for _ in range(RESTORATIONS):
-            try:
-                point = self.evaluate(x)
-                if np.isfinite(point.cost) and largest_violation(point) < WORKABLE:
-                    return x
-            except UnreachablePoseError:
-                pass
-            x = 0.5 * (x + start)
-        return start
-
     def tighten(self, shortfall: Mapping[tuple[str, str], float]) -> None:
         """Move bounds inwards by the scaled violations found between the nodes, by code and name of the constraint.
 
@@ -291,23 +239,16 @@ class DesignProblem:
         """Has any bound been moved inwards?"""
         return bool(self._tightened)
 
-    def holding(self, step: StepOrbit) -> StepHolding | None:
-        """What the ground must hold at the nodes, where the specification bounds it."""
+    def _holding(self, lifted: PhaseOrbit) -> StepHolding | None:
+        """What the ground must hold at the nodes of both phases, where the specification bounds it."""
         if not self._in_space:
             return None
-        orbits = step.rising, step.falling
         of_foot = []
         for sole, masses in self._in_space:
-            dynamics = plane_dynamics(masses, [orbit.motion for orbit in orbits])
-            rows = (found.at(orbit.ddbeta, orbit.dbeta**2) for found, orbit in zip(dynamics, orbits, strict=True))
-            of_foot.append([HoldingWrench(sole, row) for row in rows])
+            [dynamics] = plane_dynamics(masses, [lifted.motion])
+            rows = dynamics.at(lifted.ddbeta, lifted.dbeta**2)
+            of_foot.append([HoldingWrench(sole, rows[:, nodes]) for nodes in self._both.slices])
         return StepHolding(*zip(*of_foot, strict=True))
-
-    def _step(self, x: Dual) -> tuple[StepOrbit, SoleHeights, list[FloatArray]]:
-        free, q_minus, landing = self.landing(x)
-        departure = self.ends.departure
-        begin = StepBegin(q_minus, landing.slope) if departure is None else departure.begin
-        return self.step_from(begin, free, q_minus, landing)
 
     def landing(self, x: Dual) -> tuple[FreeParameters, FloatArray, Landing]:
         """Free parameters at x (P,), the pose (4,) that the step lands in [rad], and its impact per unit of dbeta."""
@@ -321,26 +262,51 @@ class DesignProblem:
 
     def step_from(
         self, begin: StepBegin, free: FreeParameters, q_minus: FloatArray, landing: Landing
-    ) -> tuple[StepOrbit, SoleHeights, list[FloatArray]]:
-        """The step that begins with one landing and ends with another, as `landing` has it.
-
-        Returns:
-            The step, the heights of its swing sole, and the leading coefficients that must vanish.
-        """
+    ) -> "EvaluatedStep":
+        """The step that begins with one landing and ends with another, as `landing` has it."""
         rising = rising_parameters(free, *begin)
         falling = falling_parameters(free, q_minus, rising)
-        turn, tau_squared = free.beta_reversal, self.rule.tau**2
-        Delta_r, Delta_f = turn - rising.beta_start, turn - falling.beta_end
-        up = rising.motion(self._rising_basis, turn - Delta_r * tau_squared)
-        down = falling.motion(self._falling_basis, turn - Delta_f * tau_squared)
-        (projected_r, soles_r), (projected_f, soles_f) = self._differentiable.project([up, down])
-        on_rising = RestrictedDynamics(projected_r, up.p_fri, up.dp_fri)
-        on_falling = RestrictedDynamics(projected_f, down.p_fri, down.dp_fri)
-        rise = integrate_from_reversal(self.rule, StepPhase.RISING, Delta_r, up, on_rising)
-        fall = integrate_from_reversal(self.rule, StepPhase.FALLING, Delta_f, down, on_falling)
+        Delta, motion = self._both.motion(rising, falling)
+        projection = self._differentiable.project(motion)
+        orbit = self._both.orbit(Delta, motion, projection.restricted)
+        lifted = above_floor(orbit)
+        width = free.step_width
+        step = StepOrbit(*self._both.apart(Delta, orbit), landing, width)
         surplus = [_surplus(phase.joint_bezier, self.specification.degrees) for phase in (rising, falling)]
-        step = StepOrbit(rise, fall, landing, free.step_width)
-        return step, SoleHeights(soles_r, soles_f), [part for parts in surplus for part in parts]
+        return EvaluatedStep(
+            step,
+            step if lifted is orbit else StepOrbit(*self._both.apart(Delta, lifted), landing, width),
+            SoleHeights(*(projection.soles[:, nodes] for nodes in self._both.slices)),
+            [part for parts in surplus for part in parts],
+            self._weighted_torques(lifted, width),
+            self._holding(lifted),
+        )
+
+    def _weighted_torques(self, lifted: PhaseOrbit, step_width: float) -> Dual:
+        """(8 n,) u sqrt(weight dt/dtau / L_s) at the nodes, those of the rising phase first."""
+        density = np.sqrt(lifted.time_density / step_width) * np.sqrt(lifted.weights)
+        weighted = lifted.generalized_forces[TORQUES] * density
+        return cast("Dual", np.concatenate([weighted[:, nodes].reshape(-1) for nodes in self._both.slices]))
+
+
+class EvaluatedStep(NamedTuple):
+    """A step at the variables of a design.
+
+    Attributes:
+        step: the step.
+        lifted: the step with z > 0 everywhere, see `above_floor`.
+        soles: heights of its swing sole.
+        surplus: the leading coefficients that must vanish.
+        torques: (8 n,) whose squares add up to J, of the lifted step.
+        holding: what the ground must hold along the lifted step, where that is bounded.
+    """
+
+    step: StepOrbit
+    lifted: StepOrbit
+    soles: SoleHeights
+    surplus: list[FloatArray]
+    torques: Dual
+    holding: StepHolding | None
 
 
 def _surplus(joint_bezier: FloatArray, degrees: tuple[int, int, int]) -> list[FloatArray]:
@@ -363,19 +329,15 @@ _LANDING_ROWS = (slice(0, 4), slice(4, 7), slice(7, 9), slice(9, 11))
 """Of `DifferentiableBiped.impact`: dq_plus, impulse, lift_off, touchdown."""
 
 
-def weighted_torques(orbit: PhaseOrbit, step_width: float) -> FloatArray:
-    """(4 n,) u sqrt(weight dt/dtau / L_s) at the nodes."""
-    density = np.sqrt(orbit.time_density / step_width) * np.sqrt(orbit.weights)
-    return (orbit.generalized_forces[TORQUES] * density).reshape(-1)
-
-
 def above_floor(orbit: PhaseOrbit) -> PhaseOrbit:
     """The orbit with z > 0 everywhere: below FLOOR_Z a hyperbola that continues it with equal slope."""
     z = cast("Dual", orbit.z)
-    low = z.value < FLOOR_Z
-    if not np.any(low):
-        return orbit
-    share = FLOOR_Z / (2.0 * FLOOR_Z - np.minimum(z.value, FLOOR_Z))
-    value = np.where(low, FLOOR_Z * share, z.value)
-    slope = np.where(low, share**2, 1.0)
-    return replace(orbit, z=cast("FloatArray", elementwise(z, value, slope)))
+
+    def block() -> FloatArray:
+        low = z.value < FLOOR_Z
+        share = FLOOR_Z / (2.0 * FLOOR_Z - np.minimum(z.value, FLOOR_Z))
+        lifted: FloatArray = z.block * np.where(low, share**2, 1.0)
+        lifted[0] = np.where(low, FLOOR_Z * share, z.value)
+        return lifted
+
+    return replace(orbit, z=cast("FloatArray", Dual(computed(z.tape, block), z.tape)))

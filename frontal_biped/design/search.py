@@ -7,6 +7,7 @@ from typing import NamedTuple
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.closing import ClosedStep, close_step
 from frontal_biped.design.problem import DesignProblem
+from frontal_biped.design.restoration import restored
 from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, largest_violation, minimise
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait.check import ConstraintReport, check_constraints
@@ -90,7 +91,7 @@ class Search:
         Where the dense grid finds a violation between the optimiser's nodes, these become finer, and what is left of
         it tightens the bounds. Bounds that contradict each other only when tightened are put back, on finer nodes.
         """
-        x = problem.restored(x)
+        x = restored(problem, x)
         coarse = problem.rule.tau.size
         before = x
         for _ in range(ROUNDS):
@@ -134,7 +135,7 @@ class Search:
 
     def any_step(self, problem: DesignProblem, x: FloatArray, settings: SqpSettings = FEASIBILITY) -> FloatArray | None:
         """Variables of a step that keeps every bound, whatever it costs, in reach of x; None if none was found."""
-        result = self._minimise(problem, problem.restored(x), settings)
+        result = self._minimise(problem, restored(problem, x), settings)
         return result.x if result.feasible else None
 
     def _minimise(

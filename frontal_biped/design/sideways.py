@@ -16,6 +16,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.closing import meet_equalities
 from frontal_biped.design.optimise import OPTIMISER_NODES, SAFETY, optimise_gait
+from frontal_biped.design.restoration import restored
 from frontal_biped.design.search import FINER, FINEST, NEARLY, ROUNDS, WORTH_FINER, WORTH_FINEST, Progress
 from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, minimise
 from frontal_biped.design.two_step_problem import TwoStepProblem
@@ -293,7 +294,7 @@ class TwoStepSearch:
 
     def cheapest(self, problem: TwoStepProblem, x: FloatArray) -> Candidate:
         """The cheapest pair of steps in reach of x; nodes and bounds are refined as `Search.cheapest` does."""
-        x = before = problem.restored(x)
+        x = before = restored(problem, x)
         coarse = problem.nodes
         for _ in range(ROUNDS):
             result = self._minimise(problem, x)

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.problem import COLUMN_REACH, Evaluation
+from frontal_biped.design.evaluation import Evaluation
+from frontal_biped.design.problem import COLUMN_REACH
 from frontal_biped.design.trust_region_sqp import SqpSettings, minimise
 from frontal_biped.exceptions import DesignFailedError, ReversalError, UnreachablePoseError
 from frontal_biped.files.provenance import software_versions

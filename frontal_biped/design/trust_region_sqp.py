@@ -6,18 +6,20 @@ Each step solves an elastic quadratic program (the linearised constraints may be
 the price rho t), so no linearisation is ever inconsistent, and the answer of an infeasible problem is the point that
 violates it least. Steps are measured with the exact penalty function f + rho max(|c_E|, -c_I); a step that fails for
 the curvature of the constraints is corrected to second order before the trust region shrinks. The Hessian is the
-Gauss-Newton matrix of the sum of squares while that makes progress, and a damped BFGS matrix of the Lagrangian,
-started from it, to finish (cf. Nocedal and Wright, Numerical Optimization, Ch. 18).
+Gauss-Newton matrix of the sum of squares while that makes progress; to finish, damped BFGS updates add to it what it
+does not see of the Lagrangian (cf. Nocedal and Wright, Numerical Optimization, Ch. 10 and 18).
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.numerics.least_distance import solve_least_distance
+from frontal_biped.numerics.active_set import ConvexProgram
 
 GAIN_OF_PENALTY = 0.7
 """A larger penalty that leaves more than this share of the violation will not make the problem feasible."""
@@ -25,10 +27,10 @@ GAIN_OF_PENALTY = 0.7
 STEERED = 0.3
 """A step that leaves more than this share of the violation asks whether a larger penalty would leave less."""
 
-CLOSE = 0.02
+CLOSE = 0.05
 """A predicted decrease below this share of the cost is close to the answer; ..."""
 
-GAIN_OF_GAUSS_NEWTON = 0.6
+GAIN_OF_GAUSS_NEWTON = 0.75
 """... if less than this share of it comes true there, curvature that Gauss-Newton does not see has the say."""
 
 OUTSIDE_DOMAIN = 1e6
@@ -167,10 +169,94 @@ def minimise(
 
 
 class _Step(NamedTuple):
-    """Answer of a subproblem: scaled step (P,) and multipliers."""
+    """Answer of a subproblem: scaled step (P,), multipliers, and which constraints are met exactly."""
 
     step: FloatArray
     multipliers: Multipliers
+    active: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Model:
+    """The problem around one point: quadratic cost, linear constraints, and the price of violating them.
+
+    Attributes:
+        point: values and derivatives.
+        hessian: (P, P) of the scaled cost.
+        penalty: rho.
+        scale: (P,) of the variables.
+        cost_scale: of the cost.
+    """
+
+    point: PointEvaluation
+    hessian: FloatArray
+    penalty: float
+    scale: FloatArray
+    cost_scale: float
+
+    @cached_property
+    def gradient(self) -> FloatArray:
+        """(P,) of the scaled cost."""
+        return self.cost_scale * self.point.cost_gradient * self.scale
+
+    @cached_property
+    def _margins(self) -> FloatArray:
+        return np.ascontiguousarray(self.point.margins_jacobian * self.scale)
+
+    @cached_property
+    def _equality(self) -> FloatArray:
+        return self.point.equality_jacobian * self.scale
+
+    def value(self, step: FloatArray) -> float:
+        """Of the scaled penalty function after a step, as the model has it."""
+        quadratic = self.gradient @ step + 0.5 * step @ self.hessian @ step
+        return float(self.cost_scale * self.point.cost + quadratic + self.price(self.violation(step)))
+
+    def violation(self, step: FloatArray) -> float:
+        """Largest violation of the linearised constraints after a step."""
+        return _violation(self.point.margins + self._margins @ step, self.point.equality + self._equality @ step)
+
+    def price(self, violation: float) -> float:
+        """Of a violation t: rho (t + t^2/2). The square keeps the subproblem strictly convex in the slack."""
+        return self.penalty * (violation + 0.5 * violation * violation)
+
+    @cached_property
+    def _program(self) -> ConvexProgram:
+        """Elastic QP in (step, t): margins, equalities from either side, lower bounds, t >= 0, upper bounds."""
+        A, a = self._margins, self._equality
+        k, (e, n) = len(A), a.shape
+        elastic = k + 2 * e
+        C = np.zeros((elastic + 2 * n + 1, n + 1))
+        C[:k, :n], C[k : k + e, :n], C[k + e : elastic, :n], C[:elastic, n] = A, a, -a, 1.0
+        C[elastic : elastic + n + 1], C[elastic + n + 1 :] = np.eye(n + 1), -np.eye(n, n + 1)
+        H = np.zeros((n + 1, n + 1))
+        H[:n, :n], H[n, n] = self.hessian, self.penalty
+        return ConvexProgram(H, np.append(self.gradient, self.penalty), C)
+
+    def step(self, at: PointEvaluation, shift: FloatArray, box: "_Box", expected: Sequence[int]) -> _Step:
+        """The step in a box that the model likes best, with constraint values taken at ``at``, a ``shift`` away.
+
+        Raises:
+            ArithmeticError: rounding.
+        """
+        margins, equality = at.margins - self._margins @ shift, at.equality - self._equality @ shift
+        answer = self._program.solve(
+            np.concatenate([-margins, -equality, equality, box.low, [0.0], -box.high]), expected
+        )
+        k, e, n = len(margins), len(equality), len(shift)
+        of_margins, above, below, at_low, _, at_high = np.split(answer.multipliers, np.cumsum([k, e, e, n, 1]))
+        at_bounds = np.where(box.low_is_bound, at_low, 0.0) - np.where(box.high_is_bound, at_high, 0.0)
+        multipliers = Multipliers(of_margins, above - below, at_bounds)
+        return _Step(np.clip(answer.x[:n], box.low, box.high), multipliers, answer.active)
+
+
+class _Box(NamedTuple):
+    """Where a scaled step may end: inside the bounds of the variables and of the trust region, (P,) each."""
+
+    low: FloatArray
+    high: FloatArray
+    low_is_bound: NDArray[np.bool_]
+    high_is_bound: NDArray[np.bool_]
 
 
 class _Iteration:
@@ -187,27 +273,28 @@ class _Iteration:
     ) -> None:
         self.evaluate, self.low, self.high, self.scale, self.settings = evaluate, low, high, scale, settings
         self.x = x0
-        self.point = evaluate(x0)
         self.evaluations = 1
         self.radius = settings.radius
-        self.penalty = settings.penalty
-        self.hessian = self._gauss_newton()
+        point = evaluate(x0)
+        self.gauss_newton = self._gauss_newton_at(point)
+        self.model = _Model(point, self.gauss_newton, settings.penalty, scale, settings.cost_scale)
         self.secant = False
         self.multipliers: Multipliers | None = None
+        self.active: tuple[int, ...] = ()
 
     def run(self, on_iteration: Callable[[int, float, float], None] | None) -> SqpResult:
         settings = self.settings
         converged, message, count = False, "the iteration limit was reached", 0
         settled = np.inf  # violation where the iteration settled under the last penalty
         if not (
-            largest_violation(self.point) < OUTSIDE_DOMAIN
-            and np.isfinite(self._merit(self.point) + np.sum(self.hessian))
+            largest_violation(self.model.point) < OUTSIDE_DOMAIN
+            and np.isfinite(self._merit(self.model.point) + np.sum(self.model.hessian))
         ):
             message = "the start is outside the domain of the problem"
-            violation = largest_violation(self.point)
-            return SqpResult(self.x, self.point.cost, violation, 0, self.evaluations, False, False, message)
+            violation = largest_violation(self.model.point)
+            return SqpResult(self.x, self.model.point.cost, violation, 0, self.evaluations, False, False, message)
         for count in range(1, settings.max_iterations + 1):
-            if settings.stop_when_feasible and largest_violation(self.point) <= settings.feasible:
+            if settings.stop_when_feasible and largest_violation(self.model.point) <= settings.feasible:
                 message = "a feasible point"
                 break
             try:
@@ -216,34 +303,35 @@ class _Iteration:
                 if self.radius < settings.min_radius:
                     message = "rounding: the subproblem has no answer"
                     break
-                self.radius, self.hessian = 0.25 * self.radius, self._gauss_newton()
+                self.radius *= 0.25
+                self.model = replace(self.model, hessian=self.gauss_newton)
                 continue
             self.multipliers = answer.multipliers
-            predicted = self._merit(self.point) - self._model(answer.step)
+            predicted = self._merit(self.model.point) - self.model.value(answer.step)
             if predicted < settings.tolerance or self.radius < settings.min_radius:
                 if not self.secant:  # Gauss-Newton is done: finish with curvature of the constraints
                     self.secant, self.radius = True, max(self.radius, 1e-2)
-                    self.hessian = self._gauss_newton()
                     continue
-                violation = largest_violation(self.point)
+                violation = largest_violation(self.model.point)
                 worth_it = violation < GAIN_OF_PENALTY * settled
-                if violation > settings.feasible and self.penalty < settings.max_penalty and worth_it:
+                if violation > settings.feasible and self.model.penalty < settings.max_penalty and worth_it:
                     settled = violation
-                    self.penalty, self.radius = 10.0 * self.penalty, max(self.radius, 1e-2)
-                    self.hessian, self.secant = self._gauss_newton(), False
+                    self.radius, self.secant = max(self.radius, 1e-2), False
+                    dearer = 10.0 * self.model.penalty
+                    self.model = replace(self.model, hessian=self.gauss_newton, penalty=dearer)
                     continue
                 converged = predicted < settings.tolerance
                 message = "converged" if converged else "the trust region became too small"
                 break
             gain = self._take(answer, predicted)
-            close = predicted < CLOSE * settings.cost_scale * self.point.cost
+            close = predicted < CLOSE * settings.cost_scale * self.model.point.cost
             self.secant = self.secant or (close and gain < GAIN_OF_GAUSS_NEWTON)
             if on_iteration is not None:
-                on_iteration(count, self.point.cost, largest_violation(self.point))
-        violation = largest_violation(self.point)
+                on_iteration(count, self.model.point.cost, largest_violation(self.model.point))
+        violation = largest_violation(self.model.point)
         return SqpResult(
             self.x,
-            self.point.cost,
+            self.model.point.cost,
             violation,
             count,
             self.evaluations,
@@ -256,22 +344,22 @@ class _Iteration:
     # ------------------------------------------------------------------ one step
     def _take(self, answer: _Step, predicted: float) -> float:
         """Try the step; returns its gain, the actual over the predicted decrease."""
-        merit, step = self._merit(self.point), answer.step
+        merit, step = self._merit(self.model.point), answer.step
         trial = self._evaluate(step)
         gain = (merit - self._merit(trial)) / predicted
-        if gain < 0.75 and largest_violation(self.point) < largest_violation(trial) < 5.0:
+        if gain < 0.75 and largest_violation(self.model.point) < largest_violation(trial) < 5.0:
             corrected, second = self._corrected(trial, step)
             if self._merit(second) < self._merit(trial):
                 step, trial = corrected, second
                 gain = (merit - self._merit(trial)) / predicted
         length = float(np.max(np.abs(step)))
         if gain > 1e-4:
+            before, self.gauss_newton = self.gauss_newton, self._gauss_newton_at(trial)
+            hessian = self.gauss_newton
             if self.secant:
-                self._update_hessian(step, trial, answer.multipliers)
+                hessian = self._updated(hessian - before, step, trial, answer.multipliers)
             self.x = np.clip(self.x + self.scale * step, self.low, self.high)
-            self.point = trial
-            if not self.secant:
-                self.hessian = self._gauss_newton()
+            self.model = replace(self.model, point=trial, hessian=hessian)
         if gain > 0.75 and length > 0.9 * self.radius:
             self.radius = min(2.0 * self.radius, self.settings.max_radius)
         elif gain < 0.25:
@@ -284,54 +372,39 @@ class _Iteration:
         Where the step leaves most of the violation but a larger penalty would not, the penalty grows at once
         (steering rule, cf. Byrd, Nocedal and Waltz 2008), not only when the iteration has settled.
         """
-        answer = self._subproblem(self.point, np.zeros_like(self.x))
-        violation = largest_violation(self.point)
-        left = self._linear_violation(answer.step)
-        while left > max(STEERED * violation, self.settings.feasible) and self.penalty < self.settings.max_penalty:
-            self.penalty *= 10.0
-            other = self._subproblem(self.point, np.zeros_like(self.x))
-            other_left = self._linear_violation(other.step)
+        answer = self._subproblem(self.model)
+        violation, settings = largest_violation(self.model.point), self.settings
+        left = self.model.violation(answer.step)
+        while left > max(STEERED * violation, settings.feasible) and self.model.penalty < settings.max_penalty:
+            dearer = replace(self.model, penalty=10.0 * self.model.penalty)
+            other = self._subproblem(dearer)
+            other_left = dearer.violation(other.step)
             if other_left > GAIN_OF_PENALTY * left:
-                self.penalty /= 10.0
                 break
-            answer, left = other, other_left
+            self.model, answer, left = dearer, other, other_left
         return answer
 
     def _corrected(self, trial: PointEvaluation, step: FloatArray) -> tuple[FloatArray, PointEvaluation]:
         """Second-order correction: the same step with the constraints' values where it ended."""
         try:
-            corrected = self._subproblem(trial, step).step
+            corrected = self._subproblem(self.model, trial, step).step
         except ArithmeticError:
             return step, trial
         return corrected, self._evaluate(corrected)
 
-    def _subproblem(self, at: PointEvaluation, shift: FloatArray) -> _Step:
-        """Elastic QP in (step, t), with constraint values taken at ``at`` = x + shift (second-order correction)."""
-        point, scale, n = self.point, self.scale, len(self.x)
-        A, a = point.margins_jacobian * scale, point.equality_jacobian * scale
-        margins, equality = at.margins - A @ shift, at.equality - a @ shift
-        low = np.maximum((self.low - self.x) / scale, -self.radius)
-        high = np.minimum((self.high - self.x) / scale, self.radius)
-        # rows that cannot become active inside the box are left out
-        kept = margins - np.abs(A) @ np.maximum(-low, high) < 0.0
-        elastic = np.concatenate([A[kept], a, -a])
-        rows, k = np.eye(n + 1), len(elastic)
-        C = np.zeros((k + 2 * n + 1, n + 1))
-        C[:k, :n], C[:k, n] = elastic, 1.0
-        C[k : k + n + 1], C[k + n + 1 :] = rows, -rows[:n]
-        c = np.concatenate([-margins[kept], -equality, equality, low, [0.0], -high])
-        H = np.zeros((n + 1, n + 1))
-        H[:n, :n], H[n, n] = self.hessian, self.penalty
-        g = np.append(self.settings.cost_scale * point.cost_gradient * scale, self.penalty)
-        answer = solve_least_distance(H, g, C, c)
-        inequality = np.zeros(len(kept))
-        e, count = len(equality), k - 2 * len(equality)
-        inequality[kept] = answer.multipliers[:count]
-        both = answer.multipliers[count:k]
-        at_low = np.where((self.low - self.x) / scale >= -self.radius, answer.multipliers[k : k + n], 0.0)
-        at_high = np.where((self.high - self.x) / scale <= self.radius, answer.multipliers[k + n + 1 :], 0.0)
-        multipliers = Multipliers(inequality, both[:e] - both[e:], at_low - at_high)
-        return _Step(np.clip(answer.x[:n], low, high), multipliers)
+    def _subproblem(self, model: _Model, at: PointEvaluation | None = None, shift: FloatArray | None = None) -> _Step:
+        """Step of a model, with constraint values taken at ``at`` = x + shift (second-order correction) or at x."""
+        to_low, to_high = (self.low - self.x) / self.scale, (self.high - self.x) / self.scale
+        box = _Box(
+            np.maximum(to_low, -self.radius),
+            np.minimum(to_high, self.radius),
+            to_low >= -self.radius,
+            to_high <= self.radius,
+        )
+        shift = np.zeros_like(self.x) if shift is None else shift
+        step = model.step(model.point if at is None else at, shift, box, self.active)
+        self.active = step.active
+        return step
 
     # ------------------------------------------------------------------ models
     def _evaluate(self, step: FloatArray) -> PointEvaluation:
@@ -339,53 +412,60 @@ class _Iteration:
         return self.evaluate(np.clip(self.x + self.scale * step, self.low, self.high))
 
     def _merit(self, point: PointEvaluation) -> float:
-        merit = self.settings.cost_scale * point.cost + self._price(largest_violation(point))
+        merit = self.settings.cost_scale * point.cost + self.model.price(largest_violation(point))
         # an iterate outside the domain of the formulas (nan, or a cost of nonsense) is no progress
         return merit if np.isfinite(merit) and point.cost > 0.0 else np.inf
 
-    def _price(self, violation: float) -> float:
-        """Of a violation t: rho (t + t^2/2). The square keeps the subproblem strictly convex in the slack."""
-        return self.penalty * (violation + 0.5 * violation * violation)
-
-    def _linear_violation(self, step: FloatArray) -> float:
-        """Largest violation of the linearised constraints after a step."""
-        point, change = self.point, self.scale * step
-        margins = point.margins + point.margins_jacobian @ change
-        equality = point.equality + point.equality_jacobian @ change
-        return max(0.0, float(-np.min(margins, initial=0.0)), float(np.max(np.abs(equality), initial=0.0)))
-
-    def _model(self, step: FloatArray) -> float:
-        gradient = self.settings.cost_scale * self.point.cost_gradient * self.scale
-        quadratic = gradient @ step + 0.5 * step @ self.hessian @ step
-        price = self._price(self._linear_violation(step))
-        return float(self.settings.cost_scale * self.point.cost + quadratic + price)
-
-    def _gauss_newton(self) -> FloatArray:
-        R = self.point.residual_jacobian * self.scale
+    def _gauss_newton_at(self, point: PointEvaluation) -> FloatArray:
+        R = point.residual_jacobian * self.scale
         # einsum, not a BLAS product: the digits must not depend on the number of threads
         return 2.0 * self.settings.cost_scale * np.einsum("ri,rj->ij", R, R) + 1e-6 * np.eye(len(self.x))
 
-    def _update_hessian(self, step: FloatArray, trial: PointEvaluation, price: Multipliers) -> None:
-        """Powell's damped BFGS update with the multipliers of the quadratic program."""
+    def _updated(self, seen: FloatArray, step: FloatArray, trial: PointEvaluation, price: Multipliers) -> FloatArray:
+        """Powell's damped BFGS update with the multipliers of the quadratic program.
 
-        def gradient(point: PointEvaluation) -> FloatArray:
-            lagrangian = self.settings.cost_scale * point.cost_gradient
-            lagrangian = lagrangian - price.margins @ point.margins_jacobian - price.equality @ point.equality_jacobian
-            return lagrangian * self.scale
+        Of the matrix so far with ``seen``, what Gauss-Newton has seen change on the way, so that updates add up to what
+        it does not see (a structured secant, cf. Nocedal and Wright, Sec. 10.3); or, where that is not convex, of the
+        matrix so far.
+        """
+        so_far = self.model.hessian
+        change = self._lagrangian_gradient(trial, price) - self._lagrangian_gradient(self.model.point, price)
+        for hessian in (so_far + seen, so_far):
+            updated = _damped_bfgs(hessian, step, change)
+            if updated is not None:
+                return updated
+        return so_far
 
-        change = gradient(trial) - gradient(self.point)
-        Hs = self.hessian @ step
-        curvature, along = float(step @ Hs), float(step @ change)
-        if curvature <= 0.0:
-            return
-        if along < 0.2 * curvature:
-            blend = 0.8 * curvature / (curvature - along)
-            change = blend * change + (1.0 - blend) * Hs
-            along = float(step @ change)
-        self.hessian = self.hessian - np.outer(Hs, Hs) / curvature + np.outer(change, change) / along
+    def _lagrangian_gradient(self, point: PointEvaluation, price: Multipliers) -> FloatArray:
+        gradient = self.settings.cost_scale * point.cost_gradient
+        gradient = gradient - price.margins @ point.margins_jacobian - price.equality @ point.equality_jacobian
+        return gradient * self.scale
+
+
+def _damped_bfgs(hessian: FloatArray, step: FloatArray, change: FloatArray) -> FloatArray | None:
+    """A Hessian (P, P) after a step (P,) that changed the gradient by ``change``; None if not positive definite."""
+    Hs = hessian @ step
+    curvature, along = float(step @ Hs), float(step @ change)
+    if curvature <= 0.0:
+        return None
+    if along < 0.2 * curvature:
+        blend = 0.8 * curvature / (curvature - along)
+        change = blend * change + (1.0 - blend) * Hs
+        along = float(step @ change)
+    updated = hessian - np.outer(Hs, Hs) / curvature + np.outer(change, change) / along
+    try:
+        np.linalg.cholesky(updated)
+    except np.linalg.LinAlgError:
+        return None
+    return updated
 
 
 def largest_violation(point: PointEvaluation) -> float:
     """Of a scaled constraint at a point; inf where one has no value."""
-    worst = max(float(-np.min(point.margins, initial=0.0)), float(np.max(np.abs(point.equality), initial=0.0)))
-    return max(0.0, worst) if np.isfinite(worst) else np.inf
+    worst = _violation(point.margins, point.equality)
+    return worst if np.isfinite(worst) else np.inf
+
+
+def _violation(margins: FloatArray, equality: FloatArray) -> float:
+    """Largest violation of a constraint; nan where one has no value."""
+    return float(np.maximum(-np.min(margins, initial=0.0), np.max(np.abs(equality), initial=0.0)))

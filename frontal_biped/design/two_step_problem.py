@@ -5,28 +5,22 @@ other one. So is the travel, which leaves one step width. The two equalities tha
 the two impacts, with both reversals as decision variables. Everything of one step is `DesignProblem`'s.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import cast
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.forward_mode import Dual, independent
+from frontal_biped.design.evaluation import Evaluation, Quantities, RecordedEvaluation
+from frontal_biped.design.forward_mode import Dual
 from frontal_biped.design.problem import (
     FLOOR_Z,
     LEAST_TIGHTENING,
-    RESTORATIONS,
-    WORKABLE,
     DesignProblem,
-    Evaluation,
-    above_floor,
-    weighted_torques,
 )
 from frontal_biped.design.rows import MarginLayout, lay_out
-from frontal_biped.design.trust_region_sqp import largest_violation
 from frontal_biped.design.two_step_start import carried_over
 from frontal_biped.design.variables import STEP_WIDTH
-from frontal_biped.exceptions import UnreachablePoseError
 from frontal_biped.gait.constraints import STEP_WIDTH as WIDTH_CONSTRAINT
 from frontal_biped.gait.constraints import Constraint
 from frontal_biped.gait.specification import GaitSpecification
@@ -61,6 +55,7 @@ class TwoStepProblem:
         self._of_a = np.insert(np.arange(P, self.size), STEP_WIDTH, STEP_WIDTH)
         self._tightened: dict[tuple[str, str], float] = {}
         self._margins: MarginLayout | None = None
+        self._recorded: RecordedEvaluation | None = None
 
     def on_nodes(self, size: int, tighten_by: float = 0.0) -> "TwoStepProblem":
         """The same problem on ``size`` quadrature nodes a phase, tightened by no more than ``tighten_by``."""
@@ -122,36 +117,26 @@ class TwoStepProblem:
         layout = self.step.layout
         return np.clip(self.joined(layout.pack(a), layout.pack(b)), low, high)
 
-    def restored(self, x: FloatArray) -> FloatArray:
-        """The point itself, or where the formulas have no value there, one on the way to the default start."""
-        start = self.start()
-        for _ in range(RESTORATIONS):
-            try:
-                point = self.evaluate(x)
-                if np.isfinite(point.cost) and largest_violation(point) < WORKABLE:
-                    return x
-            except UnreachablePoseError:
-                pass
-            x = 0.5 * (x + start)
-        return start
-
     # ------------------------------------------------------------------ evaluation
     # a point without an orbit has roots of negative numbers; it is told by its values, not by warnings
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")
     def evaluate(self, x: FloatArray) -> Evaluation:
         """Objective and constraints at x (2 P - 1,), with exact derivatives."""
-        both = self.split(cast("FloatArray", independent(x)))
+        if self._recorded is None:
+            self._recorded = RecordedEvaluation(x, self._quantities)
+        else:
+            self._recorded.move(x)
+        return self._recorded.evaluation(self._layout)
+
+    def _quantities(self, x: Dual) -> Quantities:
+        both = self.split(cast("FloatArray", x))
         free, poses, landings = zip(*(self.step.landing(cast("Dual", one)) for one in both), strict=True)
         begins = [StepBegin(pose, landing.slope) for pose, landing in zip(poses, landings, strict=True)]
-        (a, soles_a, surplus_a), (b, soles_b, surplus_b) = (
-            self.step.step_from(begins[1 - i], free[i], poses[i], landings[i]) for i in range(2)
+        a, b = (self.step.step_from(begins[1 - i], free[i], poses[i], landings[i]) for i in range(2))
+        steps = TwoSteps(a.step, b.step)
+        found = two_step_constraints(
+            self.biped, self.specification, TwoSteps(a.lifted, b.lifted), (a.soles, b.soles), (a.holding, b.holding)
         )
-        steps = TwoSteps(a, b)
-        lifted = TwoSteps(
-            *(step._replace(rising=above_floor(step.rising), falling=above_floor(step.falling)) for step in steps)
-        )
-        holding = (self.step.holding(lifted.a), self.step.holding(lifted.b))
-        found = two_step_constraints(self.biped, self.specification, lifted, (soles_a, soles_b), holding)
         # the widths are one variable, bounded as such; the orbit itself must exist, whatever the floor says
         constraints = [constraint for constraint in found if not constraint.name.endswith(WIDTH_CONSTRAINT)]
         constraints += [
@@ -159,25 +144,15 @@ class TwoStepProblem:
             for step in steps
             for orbit in (step.rising, step.falling)
         ]
+        equality = np.concatenate([np.stack(steps.periodicity), *a.surplus, *b.surplus])
+        # the mean of J is the sum of the squares of these
+        torques = np.sqrt(0.5) * np.concatenate([a.torques, b.torques])
+        return Quantities(constraints, cast("Dual", equality), cast("Dual", torques))
+
+    def _layout(self, constraints: Sequence[Constraint]) -> MarginLayout:
         if self._margins is None:
             self._margins = lay_out(constraints, self._distance)
-        layout = self._margins
-        values = cast("Dual", np.concatenate([constraint.values for constraint in constraints])).block[:, layout.picks]
-        equality = cast("Dual", np.concatenate([np.stack(steps.periodicity), *surplus_a, *surplus_b]))
-        # the mean of J is the sum of the squares of these
-        torques = np.sqrt(0.5) * np.concatenate(
-            [weighted_torques(orbit, step.step_width) for step in lifted for orbit in (step.rising, step.falling)]
-        )
-        residual, residual_jacobian = cast("Dual", torques).value, cast("Dual", torques).derivative.T
-        return Evaluation(
-            float(residual @ residual),
-            2.0 * residual @ residual_jacobian,
-            residual_jacobian,
-            equality.value / 0.1,
-            equality.derivative.T / 0.1,
-            (values[0] - layout.bound) * layout.factor,
-            (values[1:] * layout.factor).T,
-        )
+        return self._margins
 
     def phases(self, x: FloatArray) -> TwoPhases:
         """Phases of both steps at x (2 P - 1,).

@@ -4,8 +4,8 @@ The optimiser asks them of arrays that carry derivatives, the report of a dense 
 C08 of a perturbed step, which the functions of one phase and of one impact are for.
 """
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -44,8 +44,7 @@ SECONDS, WIDTH = 0.1, 0.1  # of a step [s], [m]
 SHIFT = 1e-3  # of the reversal by 1 % of speed [rad]
 
 
-@dataclass(frozen=True)
-class Constraint:
+class Constraint(NamedTuple):
     """lower <= values <= upper, at one or many points.
 
     Attributes:
@@ -311,12 +310,14 @@ def _joint_limits(
         key, limit = "max_foot_rotation", specification.max_foot_rotation
         rotation = biped.swing_foot_rotation(q)
         found.append(_bound(key, f"swing foot, {phase}", "rad", rotation, -limit, limit, ROTATION, key))
-    for i, bounds in enumerate(zip(biped.joint_lower, biped.joint_upper, biped.joint_max_velocity, strict=True)):
-        lower, upper, fastest = (float(bound) if np.isfinite(bound) else None for bound in bounds)
+    limits = np.stack([biped.joint_lower, biped.joint_upper, biped.joint_max_velocity], axis=1).tolist()
+    velocities = orbit.motion.dq * orbit.dbeta[:, None]
+    for i, bounds in enumerate(limits):
+        lower, upper, fastest = (bound if math.isfinite(bound) else None for bound in bounds)
         if lower is not None or upper is not None:
             found.append(_bound("joint limits", f"{JOINTS[i]} angle, {phase}", "rad", q[:, i], lower, upper, POSITION))
         if fastest is not None:
-            name, velocity = f"{JOINTS[i]} speed, {phase}", orbit.motion.dq[:, i] * orbit.dbeta
+            name, velocity = f"{JOINTS[i]} speed, {phase}", velocities[:, i]
             found.append(_bound("joint limits", name, "rad/s", velocity, -fastest, fastest, VELOCITY))
     return found
 
@@ -347,7 +348,7 @@ def reversal_shift(step: StepOrbit) -> FloatArray:
 
 
 def _one(scalar: FloatArray | float) -> FloatArray:
-    return np.stack([scalar])
+    return np.atleast_1d(scalar)
 
 
 def _bound(

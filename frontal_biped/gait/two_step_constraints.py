@@ -49,7 +49,7 @@ def two_step_constraints(
     found = [pair_multiplier(specification, steps)]
     for name, (step, before), heights, held in zip(NAMES, steps.in_turn, soles, holding, strict=True):
         of_step = step_constraints(biped, specification, step, heights, departure=before.landing, holding=held)
-        found += [replace(constraint, name=f"{name}: {constraint.name}") for constraint in of_step]
+        found += [constraint._replace(name=f"{name}: {constraint.name}") for constraint in of_step]
     return found
 
 

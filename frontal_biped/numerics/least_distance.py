@@ -1,14 +1,11 @@
-"""Strictly convex quadratic programs with many inequalities and few active ones, exactly and reproducibly.
+"""The point of a polyhedron nearest to the origin, exactly and reproducibly.
 
-    minimise 1/2 x'H x + g'x   subject to   C x >= c
+    minimise 1/2 y'y   subject to   G'y >= h
 
-With the Cholesky factor H = L L' and y = L'x + L^-1 g this is the point of a polyhedron nearest to the origin, and
-its dual is a non-negative least-squares problem (Lawson and Hanson, Solving Least Squares Problems, Ch. 23), which
-SciPy solves by an active-set method. The active set it ends with is then solved to rounding. Unlike an
-interior or proximal method there is no tolerance: equal input gives equal digits.
+Its dual is a non-negative least-squares problem (Lawson and Hanson, Solving Least Squares Problems, Ch. 23), which
+SciPy solves by an active-set method. The active set it ends with is then solved to rounding. Unlike an interior or
+proximal method there is no tolerance: equal input gives equal digits.
 """
-
-from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
@@ -22,21 +19,6 @@ SWEEPS = 20
 EMPTY = 1e-14
 """1 / (1 + d^2), d the distance of the polyhedron from the origin, below which it is taken for empty."""
 
-SINGLE_THREAD = 100_000
-"""Multiplications below which BLAS keeps to one thread; OpenBLAS shares a product out from 262144 on."""
-
-
-class LeastDistance(NamedTuple):
-    """Answer.
-
-    Attributes:
-        x: (n,) minimiser.
-        multipliers: (k,) of C x >= c, not negative.
-    """
-
-    x: FloatArray
-    multipliers: FloatArray
-
 
 class NoFeasiblePointError(ArithmeticError):
     """The inequalities contradict each other, or rounding makes it look so."""
@@ -44,39 +26,6 @@ class NoFeasiblePointError(ArithmeticError):
 
 class UndecidedError(NoFeasiblePointError):
     """Rounding does not let tell."""
-
-
-class IndefiniteError(ArithmeticError):
-    """H is not positive definite."""
-
-
-def solve_least_distance(H: FloatArray, g: FloatArray, C: FloatArray, c: FloatArray) -> LeastDistance:
-    """Solve one problem.
-
-    Args:
-        H: (n, n) symmetric positive definite.
-        g: (n,).
-        C: (k, n).
-        c: (k,).
-
-    Returns:
-        Minimiser and multipliers.
-
-    Raises:
-        NoFeasiblePointError: no x satisfies C x >= c.
-        IndefiniteError: H is not positive definite.
-    """
-    try:
-        L = np.linalg.cholesky(H)
-    except np.linalg.LinAlgError as error:
-        raise IndefiniteError("H is not positive definite") from error
-    inverse = np.linalg.inv(L)
-    g_y = inverse @ g
-    G = _product(inverse, C.T)  # (n, k), one column a constraint
-    h = c + C @ (inverse.T @ g_y)
-    multipliers = polished(G, h, nearest_point(G, h))
-    y = G @ multipliers
-    return LeastDistance(inverse.T @ (y - g_y), multipliers)
 
 
 def nearest_point(G: FloatArray, h: FloatArray) -> FloatArray:
@@ -105,13 +54,6 @@ def nearest_point(G: FloatArray, h: FloatArray) -> FloatArray:
     if inside <= EMPTY:
         raise NoFeasiblePointError("the inequalities contradict each other")
     return weights / inside
-
-
-def _product(A: FloatArray, B: FloatArray) -> FloatArray:
-    """A @ B in pieces too small for BLAS to share out among threads: the digits must not depend on their number."""
-    size = max(1, SINGLE_THREAD // max(A.size, 1))
-    pieces = [A @ B[:, begin : begin + size] for begin in range(0, B.shape[1], size)]
-    return np.concatenate(pieces, axis=1) if pieces else np.zeros((len(A), 0))
 
 
 def polished(G: FloatArray, h: FloatArray, multipliers: FloatArray) -> FloatArray:

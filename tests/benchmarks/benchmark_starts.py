@@ -4,7 +4,7 @@
                                                                   [--peer] [--json FILE]
 
 Starts: the default one with every free Bezier coefficient of the joints moved by up to 0.1 rad, beta_r- by up to
-0.03 rad and the step width anywhere in its bounds, uniformly. Each is restored (`DesignProblem.restored`) and optimised
+0.03 rad and the step width anywhere in its bounds, uniformly. Each is restored (`restored`) and optimised
 (`minimise`) once; and, for comparison, optimised without restoration. Its answer counts as a gait if the optimiser
 calls it feasible and 40 quadrature nodes a phase, not the optimiser's 16, confirm a stable periodic orbit; violations
 between the optimiser's nodes, which `optimise_gait` removes by tightening, are listed.
@@ -32,6 +32,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design import optimise_gait
 from frontal_biped.design.optimise import OPTIMISER_NODES, SAFETY
 from frontal_biped.design.problem import DesignProblem
+from frontal_biped.design.restoration import restored
 from frontal_biped.design.trust_region_sqp import SqpSettings, minimise
 from frontal_biped.exceptions import FrontalBipedError, UnreachablePoseError
 from frontal_biped.files.atomic import require_parent, write_json
@@ -103,7 +104,7 @@ def run_start(
     low, high = problem.bounds()
     drawn = random_start(problem, np.random.default_rng([seed, number]))
     began = time.process_time()
-    x = problem.restored(drawn) if restore else drawn
+    x = restored(problem, drawn) if restore else drawn
     try:
         result = minimise(problem.evaluate, x, low, high, problem.scale(), SqpSettings())
     except (UnreachablePoseError, ValueError, ArithmeticError) as error:  # no values at the start, or overflow

@@ -16,8 +16,9 @@ from scipy.optimize import BFGS, Bounds, NonlinearConstraint, minimize
 from scipy.sparse import csr_array
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.design.evaluation import Evaluation
 from frontal_biped.design.optimise import OPTIMISER_NODES
-from frontal_biped.design.problem import FLOOR_Z, DesignProblem, Evaluation
+from frontal_biped.design.problem import FLOOR_Z, DesignProblem
 from frontal_biped.design.trust_region_sqp import SqpSettings
 from frontal_biped.design.trust_region_sqp import minimise as trust_region_sqp
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from frontal_biped.design.forward_mode import Dual, chain, elementwise, independent
+from frontal_biped.design.tape import Tape
 
 EXACT = 1e-13
 """Complex-step derivatives are exact to rounding."""
@@ -55,6 +56,26 @@ def test_rule_against_complex_step(name):
     for i in range(len(X)):
         exact = formula(X + 1j * H * np.eye(len(X))[i]).imag / H
         assert result.derivative[i] == pytest.approx(exact, rel=EXACT, abs=EXACT)
+
+
+@pytest.mark.parametrize("name", FORMULAS)
+def test_recorded_at_one_point_and_done_again_at_another(name):
+    """The same digits as of the formula itself, and as before on coming back."""
+    formula, tape, moved = FORMULAS[name], Tape(), X[::-1] + 0.3
+    x = independent(X, tape)
+    result = formula(x)
+    first = result.block.copy()
+    for values, expected in ((moved, formula(independent(moved)).block), (X, first)):
+        x.value[...] = values
+        tape.run()
+        assert np.array_equal(result.block, expected)
+    assert not np.array_equal(first, formula(independent(moved)).block)
+
+
+def test_a_recorded_number_is_not_given_away():
+    """It would stay what it was at the first point."""
+    with pytest.raises(TypeError, match="recorded"):
+        float(independent(X, Tape())[0])
 
 
 def test_known_functions():

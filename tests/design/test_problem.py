@@ -1,5 +1,7 @@
 """The design problem: exact derivatives against differences, and its numbers against the closed form."""
 
+import copy
+
 import numpy as np
 import pytest
 from random_states import assert_close
@@ -7,6 +9,7 @@ from random_states import assert_close
 from frontal_biped.design.derivatives import DifferentiableBiped
 from frontal_biped.design.forward_mode import Dual
 from frontal_biped.design.problem import DesignProblem
+from frontal_biped.exceptions import UnreachablePoseError
 from frontal_biped.gait import GaitSpecification
 from frontal_biped.model import impact
 from frontal_biped.virtual_constraints import complete, double_support_pose, invariance_residuals
@@ -77,6 +80,30 @@ def test_derivatives_against_differences(problem):
         error = np.max(np.abs(difference - exact), axis=1) / size
         worst = int(np.argmax(error))
         assert error[worst] < GRADIENT_TOLERANCE, f"row {worst}: {difference[worst]} against {exact[worst]}"
+
+
+def same_digits(one, other):
+    return all(np.array_equal(getattr(one, part), getattr(other, part)) for part in one.__dataclass_fields__)
+
+
+def test_every_point_is_evaluated_as_if_it_were_the_first(problem):
+    """The first one is recorded, the others do its array operations again; a point without a pose leaves no trace."""
+    fresh = lambda x: DesignProblem(problem.biped, problem.specification, NODES).evaluate(x)  # noqa: E731
+    for x in points(problem, seed=1):
+        assert same_digits(problem.evaluate(x), fresh(x))
+    beyond = problem.start()
+    beyond[2] = 10.0
+    with pytest.raises(UnreachablePoseError):
+        problem.evaluate(beyond)
+    assert same_digits(problem.evaluate(x), fresh(x))
+
+
+def test_an_evaluation_keeps_its_numbers(problem):
+    x = problem.start()
+    first = problem.evaluate(x)
+    kept = copy.deepcopy(first)
+    problem.evaluate(x + 0.01 * problem.scale())
+    assert same_digits(first, kept)
 
 
 def residuals(problem, x):
