@@ -204,9 +204,12 @@ class Film:
             }"""
         )
         page.evaluate("document.body.classList.add('film')")
+        # what is below the window costs a picture of the scene at every look at it
+        window = page.viewport_size
+        page.set_viewport_size({**window, "height": max(window["height"], math.ceil(y + height))})
+        page.evaluate(_DRAWN)
         clip = {"x": x, "y": y, "width": math.ceil(width), "height": math.ceil(height), "scale": 1}
-        taller = y + height > page.viewport_size["height"]
-        self._shot = {"clip": clip, "optimizeForSpeed": True, "captureBeyondViewport": taller}
+        self._shot = {"clip": clip, "optimizeForSpeed": True}
         # Chromium's own words: Playwright's screenshots wait for fonts and frames that are long there
         self._session = page.context.new_cdp_session(page)
         transparent = {"color": {"r": 0, "g": 0, "b": 0, "a": 0}}
