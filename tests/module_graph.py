@@ -9,6 +9,7 @@ rooms and circles of files.
 import ast
 import sys
 from collections.abc import Iterable, Mapping
+from functools import cache
 from pathlib import Path
 
 Graph = dict[str, set[str]]
@@ -23,7 +24,8 @@ def module_files(package: Path) -> dict[str, Path]:
     return names
 
 
-def imported_names(path: Path) -> list[str]:
+@cache  # the architecture's tests look at every file a dozen times
+def imported_names(path: Path) -> tuple[str, ...]:
     """Dotted names that a file imports anywhere in it, ``module.name`` for a name; not those for type checking only."""
     found = []
     nodes: list[ast.AST] = [ast.parse(path.read_text(encoding="utf-8"))]
@@ -38,7 +40,7 @@ def imported_names(path: Path) -> list[str]:
             assert node.level == 0, f"{path}: imports are absolute"
             found += [f"{node.module}.{name.name}" for name in node.names]
         nodes += ast.iter_child_nodes(node)
-    return found
+    return tuple(found)
 
 
 def module_of(name: str, modules: Iterable[str]) -> str | None:

@@ -71,6 +71,9 @@ class ProofCertificate:
     gait: Gait
     proof: GaitProof
 
+    def __repr__(self) -> str:
+        return f"{type(self).__name__} of {self.gait.robot.name!r}\n{self}"
+
     def __str__(self) -> str:
         return "\n".join(f"{name:26} {text}" for name, text in self.proof.rows)
 

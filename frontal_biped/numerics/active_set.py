@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dposv
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.numerics.least_distance import NoFeasiblePointError, nearest_point
 
 SWEEPS = 20
 """Changes of the active set per constraint at which the method is given up; it needs less than one."""
@@ -45,10 +46,6 @@ class ActiveSetAnswer(NamedTuple):
     x: FloatArray
     multipliers: FloatArray
     active: tuple[int, ...]
-
-
-class ContradictionError(ArithmeticError):
-    """The inequalities contradict each other, or rounding makes it look so."""
 
 
 class IndefiniteError(ArithmeticError):
@@ -89,13 +86,26 @@ class ConvexProgram:
     def solve(self, c: FloatArray, expected: Sequence[int] = ()) -> ActiveSetAnswer:
         """Solve for one set of bounds.
 
+        Where H is so ill-conditioned that rounding has the better of the method (its eigenvalues span ten powers of
+        ten, and nearly as many constraints are active as there are variables) the dual is solved as a non-negative
+        least-squares problem (`least_distance`): slower, for it begins from nothing, and it squares no condition.
+
         Args:
             c: (k,).
             expected: constraints that may be active, as in a similar program; no answer depends on them.
 
         Raises:
-            ContradictionError: no x satisfies C x >= c, or rounding does not let tell.
+            NoFeasiblePointError: no x satisfies C x >= c, or rounding does not let tell.
         """
+        try:
+            return self._by_active_set(c, expected)
+        except NoFeasiblePointError:
+            multipliers = nearest_point(_product(self._inverse, self._C.T), c - self._room)
+        active = np.flatnonzero(multipliers)
+        x = self._lowest + self._inverse.T @ (self._inverse @ (self._C[active].T @ multipliers[active]))
+        return ActiveSetAnswer(x, multipliers, tuple(active.tolist()))
+
+    def _by_active_set(self, c: FloatArray, expected: Sequence[int]) -> ActiveSetAnswer:
         edge, missing, expected = c - VIOLATED * np.maximum(1.0, np.abs(c)), c - self._room, list(expected)
         faces = _Faces(self._inverse @ self._C[expected].T, missing[expected], expected)
         for _ in range(SWEEPS * len(c) + 1):
@@ -108,7 +118,7 @@ class ConvexProgram:
                 return ActiveSetAnswer(self._place(faces), multipliers, tuple(faces.rows))
             farthest = int(np.argmin(beyond / self._steepness))
             faces.add(farthest, self._inverse @ self._C[farthest], float(missing[farthest]))
-        raise ContradictionError("the active-set method did not end")
+        raise NoFeasiblePointError("the active-set method did not end")
 
     def _place(self, faces: "_Faces") -> FloatArray:
         """x (n,) of a point y."""
@@ -141,7 +151,7 @@ class _Faces:
         """Move to where one more constraint, violated so far, is met; those that stop to push on the way are dropped.
 
         Raises:
-            ContradictionError: it is opposed to the active ones.
+            NoFeasiblePointError: it is opposed to the active ones.
         """
         push, size = 0.0, normal.dot(normal)
         missing = offset - normal.dot(self.point)
@@ -155,7 +165,7 @@ class _Faces:
             first = int(until.argmin()) if len(until) else -1
             step = min(full, until[first]) if len(until) else full
             if step == np.inf:
-                raise ContradictionError("the inequalities contradict each other")
+                raise NoFeasiblePointError("the inequalities contradict each other")
             push += step
             self.multipliers = np.maximum(self.multipliers - step * yields, 0.0)
             if step == full:

@@ -8,6 +8,8 @@ from support_gaits import designed
 from frontal_biped.analysis.landing_load import load_with_impact, load_without_impact
 from frontal_biped.figures.landing_load import landing_load_figure
 
+pytestmark = pytest.mark.slow
+
 FULL_LOAD = 1.2
 """A foot that takes the weight evenly carries all of it in the end, and a fifth more for what is accelerated."""
 
@@ -18,7 +20,6 @@ def loads(biped, reference_gait):
     return load_without_impact(biped, designed("frontal_biped").gait), load_with_impact(biped, reference_gait)
 
 
-@pytest.mark.slow
 def test_no_spike_without_an_impact(loads):
     without, with_impact = loads
     assert without.peak < FULL_LOAD < with_impact.peak

@@ -18,6 +18,7 @@ def test_analyze(capsys):
     assert table["certified"] and table["impulse"] < 1e-12
 
 
+@pytest.mark.slow
 def test_simulate_view_and_plot_the_run(tmp_path, capsys):
     pytest.importorskip("mujoco")
     run = tmp_path / "run.npz"

@@ -16,8 +16,17 @@ from frontal_biped.scenarios.expectations import Finding
 from frontal_biped.scenarios.run import TrialResult
 from frontal_biped.simulation.orbit import orbit_trajectory
 from frontal_biped.simulation.space.run import SAMPLED, SpatialRun
+from frontal_biped.zero_dynamics.proof.balls import arb
+from frontal_biped.zero_dynamics.proof.signs import ProvedCount
+from frontal_biped.zero_dynamics.proof.theorems import Convergence, FixedZeros, GaitProof, NearestZero, Proof
 
 FEW_LINES, FEW_LETTERS = 8, 900
+
+PROOF = GaitProof(
+    FixedZeros((-1.6, -1.5), ProvedCount((), ((-1.56, -1.55),), ())),
+    NearestZero(-1.55, arb(-1.55), arb(-20), arb(0.5), Proof.PROVED),
+    Convergence(1e-6, arb(0.3), Proof.PROVED),
+)
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +46,7 @@ def shown(biped, gait):
         analysis, analysis.constraints, DesignResult(gait, analysis.constraints, True, "found", 3, 4, 0.5),
         DesignResult(None, None, False, "no gait was found", 3, 4, 0.5), fb.view(biped),
         TrialResult("pushed", 0, 0, "ours", "completed", (finding,), {}, {}, 0.1, run), run.torques,
-        fb.Scenario("pushed", Path("pushed.scenario.toml"), "A push."),
+        fb.Scenario("pushed", Path("pushed.scenario.toml"), "A push."), fb.ProofCertificate(gait, PROOF),
     )  # fmt: skip
     return {type(thing).__name__: thing for thing in objects}
 

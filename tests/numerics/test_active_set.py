@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from frontal_biped.numerics.active_set import ContradictionError, ConvexProgram, IndefiniteError
-from frontal_biped.numerics.least_distance import nearest_point
+from frontal_biped.numerics.active_set import ConvexProgram, IndefiniteError
+from frontal_biped.numerics.least_distance import NoFeasiblePointError, nearest_point
 from frontal_biped.numerics.quadratic_program import UNBOUNDED, ProxQpSolver, QuadraticProgram
 
 OPTIMAL = 1e-9
@@ -90,7 +90,7 @@ def test_repeated_constraints():
 
 
 def test_contradiction_is_told():
-    with pytest.raises(ContradictionError, match="contradict"):
+    with pytest.raises(NoFeasiblePointError, match="contradict"):
         solved(np.eye(1), np.zeros(1), np.array([[1.0], [-1.0]]), np.array([1.0, 1.0]))
 
 
@@ -140,7 +140,7 @@ def test_opposed_constraints_leave_a_slab():
     assert low.x == pytest.approx([2.0, 0.0]) and low.active == (0,)
     high = program.solve(np.array([-3.0, -0.5, -9.0]), expected=(0, 1))
     assert high.x == pytest.approx([0.5, 0.0]) and high.active == (1,)
-    with pytest.raises(ContradictionError):
+    with pytest.raises(NoFeasiblePointError):
         program.solve(np.array([2.0, -1.0, 0.0]))
 
 

@@ -39,7 +39,7 @@ def needs(engine):
         pytest.importorskip("mujoco")
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", [pytest.param("ours", marks=pytest.mark.slow), "mujoco"])
 @pytest.mark.parametrize("name", ROBOTS)
 def test_from_standing_to_standing(name, engine):
     needs(engine)

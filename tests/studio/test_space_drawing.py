@@ -12,7 +12,7 @@ PLACED = 1e-9
 """Rotations composed one by one against Pinocchio's [m, -]."""
 
 
-@pytest.mark.parametrize("name", ["g1_bent", "romeo_bent"])
+@pytest.mark.parametrize("name", ["g1_bent", pytest.param("romeo_bent", marks=pytest.mark.slow)])
 def test_nodes_stand_where_the_bodies_are(name):
     biped = load_robot(name)
     free, drawing = FreeRobot(biped.robot), space_drawing_of(biped)
@@ -42,6 +42,7 @@ def test_nodes_stand_where_the_bodies_are(name):
     assert all(np.isfinite(shape.vertices).all() and len(shape.faces) for shape in drawing.shapes)
 
 
+@pytest.mark.slow
 def test_soles_are_about_the_feet():
     left, right = space_drawing_of(load_robot("g1_bent")).soles
     for corners in (left, right):
