@@ -45,8 +45,8 @@ MAY_IMPORT = {
     },
     "pytest_plugin": {"exceptions", "scenarios"},
     "cli": ANYONE | {
-        "model", "gait", "simulation", "design", "analysis", "viewer", "figures", "library", "scenarios", "studio",
-        "demo",
+        "model", "gait", "control", "simulation", "design", "analysis", "viewer", "figures", "library", "scenarios",
+        "studio", "demo",
     },
     "__main__": {"cli"},
 }  # fmt: skip

@@ -19,11 +19,13 @@ from frontal_biped.cli.arguments import (
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
 from frontal_biped.cli.output import emit, free_path, report, require_output
 from frontal_biped.cli.progress import Progress
+from frontal_biped.exceptions import SpecificationError
 from frontal_biped.files.counted import counted
 
 if TYPE_CHECKING:
     from frontal_biped.design.optimise import DesignResult
     from frontal_biped.design.sideways import SidewaysResult
+    from frontal_biped.gait.sideways import AnyGait
     from frontal_biped.model.biped import FrontalBiped
 
 SUMMARY = "Design a gait: minimise J under C01 to C09."
@@ -40,6 +42,12 @@ _QUICK = (
 )
 
 
+_LOOK_AHEAD = (
+    "keep with the gait what looking ahead answers at every speed, so that a controller looks it up within its"
+    " millisecond; a minute or two of processor time"
+)
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Robot, specification, where to start, where to write."""
     add_robot(parser, "frontal_biped")
@@ -51,6 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_value(parser, "--attempts", "N", positive_int, "1", starts)
     parser.add_argument("--quick", action="store_true", help=_QUICK)
     add_value(parser, "--budget", "SHARE", not_negative_float, "0.25", "of J that may be given away so that it walks")
+    parser.add_argument("--look-ahead", action="store_true", help=_LOOK_AHEAD)
     add_output(parser, "G.json", _OUTPUT)
     add_verbose(parser)
     add_json(parser)
@@ -72,6 +81,8 @@ def run(arguments: argparse.Namespace) -> int:
     require_output(output)
     if specification.double_support is not None:
         return double_support.design(arguments, biped, specification, output)
+    if arguments.look_ahead and specification.travel is not None:
+        raise SpecificationError("--look-ahead: is of gaits of equal steps; leave it out, or travel")
     with Progress("designing:") as progress:
 
         def show(iteration: int, cost: float, violation: float) -> None:
@@ -94,9 +105,19 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.json:
             emit(arguments, _table(biped, result, None), "")
         return TASK_FAILED
-    save_gait(result.gait, output)
+    save_gait(_looked_ahead(biped, result.gait) if arguments.look_ahead else result.gait, output)
     emit(arguments, *_report(arguments, biped, result, output))
     return SUCCESS
+
+
+def _looked_ahead(biped: "FrontalBiped", gait: "AnyGait") -> "AnyGait":
+    """The gait with its table."""
+    from frontal_biped.control.stabilisers.tabulation import tabulated
+    from frontal_biped.gait.gait import Gait
+
+    assert isinstance(gait, Gait)  # it was asked without travel
+    with Progress("looking ahead:") as progress:
+        return tabulated(biped, gait, on_speed=lambda ratio: progress.update(f"{100.0 * (ratio - 1.0):+.1f} % speed"))
 
 
 def _place(biped: "FrontalBiped") -> Path:

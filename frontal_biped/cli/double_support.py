@@ -32,7 +32,11 @@ def design(
     from frontal_biped.gait.support_file import save_support_gait
     from frontal_biped.gait.support_gait import SupportSpecification
 
-    given = [f"--{name}" for name in ("start", "attempts") if getattr(arguments, name) not in (None, 1)]
+    given = [
+        f"--{name.replace('_', '-')}"
+        for name in ("start", "attempts", "look_ahead")
+        if getattr(arguments, name) not in (None, 1, False)
+    ]
     if given:
         raise SpecificationError(
             f"{given[0]}: a gait with a finite double support is designed from its own starts; leave it out, or"

@@ -55,6 +55,9 @@ def test_design_with_travel(tmp_path, capsys):
     assert main(["design", "--quick", "--spec", str(spec), "-o", str(gait), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["success"]
     assert len(json.loads(gait.read_text(encoding="utf-8"))["steps"]) == 2
+    assert main(["design", "--look-ahead", "--spec", str(spec), "-o", str(gait)]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "--look-ahead" in said
     spec.write_text("travel = 0.3\n", encoding="utf-8")
     assert main(["design", "--quick", "--spec", str(spec)]) == 2
     said = capsys.readouterr().err

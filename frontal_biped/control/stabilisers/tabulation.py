@@ -33,7 +33,13 @@ Known = tuple[float, Foreseen]
 """A relative speed [-], and what is foreseen there."""
 
 
-def tabulated(biped: FrontalBiped, gait: Gait, slowest: float = SLOWEST, fastest: float = FASTEST) -> Gait:
+def tabulated(
+    biped: FrontalBiped,
+    gait: Gait,
+    slowest: float = SLOWEST,
+    fastest: float = FASTEST,
+    on_speed: Callable[[float], None] | None = None,
+) -> Gait:
     """The gait with the table of its answers, which `save_gait` keeps; takes a minute or so.
 
     Args:
@@ -41,17 +47,24 @@ def tabulated(biped: FrontalBiped, gait: Gait, slowest: float = SLOWEST, fastest
         gait: the gait.
         slowest: relative speed below which nobody looks [-], below 1.
         fastest: relative speed beyond which nobody looks [-], above 1.
+        on_speed: called with every relative speed that is asked for [-].
     """
     stabiliser = LookAheadTransitions(biped, gait, look_up=False)
-    at_gait = stabiliser.foreseen(1.0)
+
+    def foreseen(ratio: float) -> Foreseen | None:
+        if on_speed is not None:
+            on_speed(ratio)
+        return stabiliser.foreseen(ratio)
+
+    at_gait = foreseen(1.0)
     assert at_gait is not None  # a gait reverses
     known: list[Known] = [(1.0, at_gait)]
     for sense, end in ((-1.0, slowest), (1.0, fastest)):
-        known += _outwards(stabiliser.foreseen, sense, end)
+        known += _outwards(foreseen, sense, end)
     known.sort(key=lambda at: at[0])
     points = [known[0]]
     for at in known[1:]:
-        points += [*_changes(stabiliser.foreseen, points[-1], at), at]
+        points += [*_changes(foreseen, points[-1], at), at]
     return replace(gait, look_ahead=_table(points, made_for(biped, gait)))
 
 
