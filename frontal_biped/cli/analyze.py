@@ -6,7 +6,7 @@ from pathlib import Path
 from frontal_biped.cli import double_support
 from frontal_biped.cli.arguments import add_gait, add_jobs, add_json, add_robot, add_verbose
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
-from frontal_biped.cli.output import emit
+from frontal_biped.cli.output import emit, require_output
 from frontal_biped.cli.progress import Progress
 
 SUMMARY = "Is it a gait, what is tightest, what it needs of the motors; -v: all tables. Exit status 1 if not certified."
@@ -53,8 +53,10 @@ def run(arguments: argparse.Namespace) -> int:
     from frontal_biped.gait.sideways import SidewaysGait
     from frontal_biped.gait.support_gait import SupportGait
 
+    kept = certificate_path(arguments.gait) if arguments.prove == Path() else arguments.prove
+    require_output(kept, arguments.gait, robot=arguments.robot)
     biped, gait = load_filed_walker(arguments.gait, arguments.robot)
-    if arguments.prove is not None and not isinstance(gait, Gait):
+    if kept is not None and not isinstance(gait, Gait):
         raise GaitFileError(f"{arguments.gait}: --prove is of gaits of equal steps with impacts; leave it out")
     if isinstance(gait, SupportGait):
         return double_support.analyze(arguments, biped, gait)
@@ -73,12 +75,11 @@ def run(arguments: argparse.Namespace) -> int:
                 card = robustness_card(biped, gait, executor=executor, on_progress=progress.update)
             table["robustness"] = card.as_dict()
             text += f"\n\n{card}"
-        if arguments.prove is not None:
+        if kept is not None:
             from frontal_biped.analysis.proof import prove
 
             progress.update("proof in ball arithmetic")
             certificate = prove(biped, gait)
-            kept = certificate_path(arguments.gait) if arguments.prove == Path() else arguments.prove
             certificate.save(kept)
             table["proof"] = certificate.as_dict(kept.parent)
             text += f"\n\n{certificate}\n{'certificate of the proof':26} {kept}"

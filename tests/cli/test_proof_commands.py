@@ -24,6 +24,14 @@ def test_prove_and_verify(folder, capsys):
     assert table == json.loads((folder / "own.proof.json").read_text(encoding="utf-8"))
 
 
+def test_a_certificate_is_not_written_over_the_gait(folder, capsys):
+    gait = folder / "own.gait.json"
+    before = gait.read_bytes()
+    assert main(["analyze", str(gait), "--prove", str(gait)]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert gait.read_bytes() == before
+
+
 def test_verify_refuses_in_one_line(folder, capsys):
     assert main(["verify", str(folder / "own.gait.json")]) == 2
     said = capsys.readouterr().err
