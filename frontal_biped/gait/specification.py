@@ -109,14 +109,13 @@ class GaitSpecification:
     double_support: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        degrees = self.degree if isinstance(self.degree, tuple | list) else (self.degree,)
-        if len(degrees) not in (1, 3):
-            shown = quoted(list(degrees))
-            raise SpecificationError(f"degree = {shown} is neither one number nor a list of 3, one an output")
-        for degree in degrees:
-            _whole("degree", degree, *_DEGREES)
-        if isinstance(self.degree, list):
+        if isinstance(self.degree, tuple | list):
+            if len(self.degree) != 3:
+                shown = quoted(list(self.degree))
+                raise SpecificationError(f"degree = {shown} is neither one number nor a list of 3, one an output")
             object.__setattr__(self, "degree", tuple(self.degree))
+        for degree in self.degrees:
+            _whole("degree", degree, *_DEGREES)
         _whole("fri_degree", self.fri_degree, 1, 12)
         _whole("seed", self.seed, 0, 2**63 - 1)
         for key, positive in _NUMBERS.items():

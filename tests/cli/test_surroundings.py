@@ -136,7 +136,7 @@ def test_current_folder_is_gone(here):
 
 @pytest.mark.slow
 def test_too_few_open_files(here):
-    (here / "sweep.toml").write_text("[sweep]\nfriction = [0.5, 0.6]\n")
+    (here / "sweep.toml").write_text("batch = 1\n[sweep]\nfriction = [0.5, 0.6]\n")
     refused(run("library sweep.toml -o gaits --jobs 2", here, "ulimit -n 10;"), "Too many open files; allow more open")
 
 

@@ -15,6 +15,7 @@ BAD = [
     ("degree", "five", "five"),
     ("degree", True, "True"),
     ("degree", (5, 5), "[5, 5]"),
+    ("degree", (5,), "[5]"),
     ("degree", (5, 5, 2), "2"),
     ("degree", (5, 5, 5.0), "5.0"),
     ("max_multiplier", 1.0, "(0, 1)"),
