@@ -28,7 +28,7 @@ Each claim, how it is held, what was measured, and the tests that hold it:
 * Walks in MuJoCo with every joint free: five robots four or six steps on the spot, step time within 1 %; talos_full ten
   steps at 0.2 m/s, with noise and 3 ms of delay too, step time within 2 %, speed within 10 %.
   simulation/space/test_walk_spatial.py
-* Looking ahead: the table's answers are the computed ones, 1000 speeds over the basin of two gaits, basin unchanged.
+* Looking ahead: the table's answers are the computed ones, 1000 speeds over the basin, basin unchanged.
   Compiled ticks are the exact solver's. Continuous walks by collocation and by DOP853 are the same motion within the
   tolerances. control/stabilisers/test_tabulation.py, control/torques/test_few_rows.py, simulation/test_continuous.py
 * Proofs in ball arithmetic: of 1000 states each of seven robots the balls contain Pinocchio's forces, FRI, mass matrix

@@ -85,7 +85,7 @@ def test_phases_are_anchored_to_where_the_robot_is(biped, narrow):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["level", "reference"])
+@pytest.mark.parametrize("name", ["level"])
 def test_a_thousand_speeds_over_the_basin(biped, request, name):
     """Every answer is the computed one, and the basin is the same."""
     gait = tabulated(biped, request.getfixturevalue(f"{name}_gait"))
