@@ -1,36 +1,57 @@
 """What things cost, measured beside their peers in one run. No time is asserted; quote ratios, times are the machine's.
 
-**Designs**, `benchmark_design.py` (extra ``bench``, ``OMP_NUM_THREADS=1``): CPU time of whole designs from the default
-start, as a ratio to `optimise_gait` in the same run, one thread:
+**Designs**, `benchmark_design.py --quick` (extra ``bench``, ``OMP_NUM_THREADS=1``): CPU time of whole designs from the
+default start, as a ratio to `optimise_gait` in the same run, one thread, median of 3, otherwise idle desk machine:
 
                                                               reference    pelvis within 5 degrees
     optimise_gait: optimiser, dense check, simulated step       1            1
-    the same problem in CasADi with IPOPT, exact Hessian      4.9          3.8
-      of which IPOPT, its derivative graphs already built     1.2          0.7
-    optimiser alone                                           0.57         0.77
-    SciPy SLSQP, our exact gradients                          2.6          1.5
-    SciPy SLSQP, finite differences                           33           15
+    the same problem in CasADi with IPOPT, exact Hessian     13.9          9.5
+      of which IPOPT, its derivative graphs already built     2.9          1.7
+    optimiser alone                                           0.52         0.49
+    SciPy SLSQP, our exact gradients                          5.0          2.3
 
 All of these reach the optimum. Of SciPy trust-constr and IPOPT without second derivatives, 60 s each on our gradients,
-only the latter does, and on the second specification alone. For many designs of one shape, IPOPT with its graph kept is
-about as fast as we are. `benchmark_starts.py` says how often random starts and random specifications succeed.
+only the latter did, and on the second specification alone. Beside the package of commit 6097817, two runs side by
+side: a design takes 2.1 to 2.3 and 2.4 times less, an evaluation with all derivatives about 2.2 times.
+`benchmark_starts.py` says how often random starts and random specifications succeed.
 
-**Ticks**, `benchmark_control_tick.py`: one tick at 1 kHz on the Table I robot, CPU time over what ran beside it in the
-same loop, median and 99 %:
+**Ticks**, `benchmark_control_tick.py`: one tick at 1 kHz on the Table I robot. Measured beside TSID 1.10 before the
+last changes: walking 0.76 of its tick, 10 mrad off with 92 % of ticks at a limit 1.8. Since then, in microseconds,
+least of bursts on 20 states, the trees before and after in turn on a busy machine:
 
-                                                over bare ProxQP,    over TSID 1.10,
-                                                update + solve       same robot
-    walking, no limit active                    1.7, 2.1             0.76, 0.86
-    with the control Lyapunov function          1.4, 1.3             0.91, 0.96
-    10 mrad off, 92 % of ticks with a limit     1.7, 0.2             1.8, 1.7
+                                                before      now     solver "compiled" (Numba)
+    walking, no limit active                     35.5       35.9      31
+    10 mrad off, 92 % of ticks with a limit       131        119      32
+    with the control Lyapunov function            225        198       -
 
-TSID solves another problem (free-floating, 22 variables) in C++. Its tick does not grow when a limit binds; ours does.
-Of 4000 states up to a radian off the gait, 16 % without a solution, the slowest tick took 15 times a walking one.
+so that only the compiled solver would be below TSID where limits bind (0.5 of its tick); TSID was not built again. It
+solves another problem (free-floating, 22 variables) in C++. Of 4000 states up to a radian off the gait, the slowest
+tick took 14 times a walking one where it took 19.
 
-**Looking ahead** (stabiliser ``adaptive``) takes 0.1 to 0.4 s of one core at an impact more than 0.3 % off the gait's
-speed: simulated time waits for it, a robot would need a table of its answers.
+**Looking ahead** (stabiliser ``adaptive``), `benchmark_look_ahead.py`, ms on a busy machine, 1000 speeds over the
+basin:
 
-**The studio**, `benchmark_studio.py`: from a slider to a new gait 0.31 s, median of 20 changes, 1.5 s at most.
+                                                reference        level            g1
+    looked up at the impact: 99 %, most         0.27, 0.62       0.34, 0.59       0.26, 0.41
+    looked up at the reversal: 99 %, most       0.73, 0.99       0.74, 1.00       0.65, 0.84
+    computed at the impact: median, 99 %        42, 93           26, 64           33, 71
+    to make the table, CPU s                    91               66               118
+
+Every answer is the computed one. Landings off the planned pose are answered as for the planned one.
+
+**Simulated time**, ms of CPU a simulated second, Table I robot, 8 steps, before and now side by side, two runs:
+
+    continuous, rtol 1e-8, phases fixed         218, 269         74, 78
+    1 kHz, the controller told the state        241, 229         131, 183
+    1 kHz, the walker                           559, 511         351, 389
+    the walker in MuJoCo                        710, 671         387, 437
+
+**What a user waits for**, `benchmark_waiting.py`: a GIF of 16 s of continuous walking takes an eighth of the processor
+time it took (fewer and smaller pictures are part of that; the steps of that walk take a whole number of pictures);
+the demonstration 15 s where it took 21, in turn on one machine.
+
+**The studio**, `benchmark_studio.py`: from a slider to a new gait 0.31 s, median of 20 changes, 1.5 s at most, measured
+before designs took half the time.
 
 **Humanoids**, `benchmark_humanoids.py`, from URDF to certified gait: 4.5 to 13.2 CPU s on a busy machine with
 0.2.0, 1.4 to 5.5 on a quiet one with 0.1.0.
