@@ -190,12 +190,12 @@ class Film:
     """
 
     def __init__(self, page: Any) -> None:
-        from PIL import Image, ImageColor
+        from PIL import ImageColor
 
         page.evaluate("document.body.classList.add('still')")
         page.evaluate(_DRAWN)
         self._page = page
-        self._around: Image.Image | None = None
+        self._around: Any = None  # an image of Pillow
         self._scenes: list[bytes] = []
         x, y, width, height, colour = page.evaluate(
             """() => {
