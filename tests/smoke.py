@@ -39,7 +39,8 @@ RUNS = {
         (["--robot", "talos_full", "-o", "talos_full.json"], "talos_full.json"),
     ],
     "library": [(["sweep.toml", "-o", "gaits", "--jobs", "2"], "gaits/index.csv")],
-    "analyze": [(["gait.json"], None)],
+    "analyze": [(["gait.json", "--prove", "proof.json"], "proof.json")],
+    "verify": [(["proof.json", "--gait", "gait.json"], None)],
     "simulate": [
         (["gait.json", "--steps", "2", "-o", "run.npz"], "run.npz"),
         (["gait.json", "--steps", "2", "--engine", "mujoco", "-o", "mujoco.npz"], "mujoco.npz"),
