@@ -47,8 +47,8 @@ from frontal_biped.model.catalogue import RobotLike, biped_of
 from frontal_biped.virtual_constraints.invariance import free_parameters
 from frontal_biped.zero_dynamics.proof.balls import ORDER, PRECISION, Ball, as_text, from_text, working
 from frontal_biped.zero_dynamics.proof.chain import BallChain
+from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.signs import Kind, Piece
-from frontal_biped.zero_dynamics.proof.step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.theorems import GaitProof, prove_parameters
 from frontal_biped.zero_dynamics.reversal.problem import ReversalProblem
 from frontal_biped.zero_dynamics.reversal.zeros import regular_region

@@ -14,7 +14,7 @@ from frontal_biped.files.extras import missing_extra
 
 try:
     from flint import arb, arb_mat, arb_series, ctx
-except ImportError as error:  # pragma: no cover, no environment of the tests is without it
+except ImportError as error:
     raise missing_extra("proofs need python-flint", "proof") from error
 
 __all__ = ["ORDER", "PRECISION", "Ball", "Jet", "Number", "arb", "arb_mat", "arb_series", "working"]

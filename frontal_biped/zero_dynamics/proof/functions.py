@@ -2,20 +2,11 @@
 
 from functools import cached_property
 
+from frontal_biped.zero_dynamics.proof.ball_gait import BallGait, BallStep
 from frontal_biped.zero_dynamics.proof.balls import Ball, Jet, Number, arb, coefficient, exp, is_negative, narrowed_jet
+from frontal_biped.zero_dynamics.proof.half_step import HalfStep, NotEnclosedError
+from frontal_biped.zero_dynamics.proof.passage import Passed, across, cuts_of, on_panel, passed, passed_by_all
 from frontal_biped.zero_dynamics.proof.signs import Known
-from frontal_biped.zero_dynamics.proof.step import (
-    BallGait,
-    BallStep,
-    HalfStep,
-    NotEnclosedError,
-    Passed,
-    across,
-    cuts_of,
-    on_panel,
-    passed,
-    passed_by_all,
-)
 
 SHARP, BROAD = 1e-14, 1e-8
 """Shares of the energy that a panel may widen its ball by: where a point is enclosed, and where an interval is."""

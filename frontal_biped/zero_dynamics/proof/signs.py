@@ -12,7 +12,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from frontal_biped.zero_dynamics.proof.balls import Ball, is_negative, is_positive
-from frontal_biped.zero_dynamics.proof.step import NotEnclosedError
+from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 
 
 class Kind(Enum):

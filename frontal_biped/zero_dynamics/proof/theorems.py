@@ -27,11 +27,12 @@ from dataclasses import dataclass
 from enum import Enum
 
 from frontal_biped.virtual_constraints.invariance import FreeParameters
+from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.balls import Ball, arb, is_negative, is_positive
 from frontal_biped.zero_dynamics.proof.chain import BallChain
 from frontal_biped.zero_dynamics.proof.functions import Fixed, Imposed
+from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.signs import Piece, ProvedCount, count, cut
-from frontal_biped.zero_dynamics.proof.step import BallGait, NotEnclosedError
 
 NEARBY = 1e-8
 """Half of the interval on which the zero with invariance imposed is sought [rad]."""

@@ -8,10 +8,10 @@ import pytest
 from frontal_biped.gait.file import load_gait
 from frontal_biped.gait.shipped import gait_path
 from frontal_biped.model.catalogue import biped_of
+from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.balls import Jet, arb, as_text, exp, from_text, sin_cos, working
 from frontal_biped.zero_dynamics.proof.chain import BallChain
 from frontal_biped.zero_dynamics.proof.functions import Fixed, Imposed
-from frontal_biped.zero_dynamics.proof.step import BallGait
 from frontal_biped.zero_dynamics.reversal.problem import ReversalProblem
 
 QUADRATURE = 1e-7

@@ -5,8 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from frontal_biped.zero_dynamics.proof.balls import arb, working
+from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.signs import Kind, Known, Piece, count, cut
-from frontal_biped.zero_dynamics.proof.step import NotEnclosedError
 
 
 def counted(function, slope, low, high, least=1e-6):
