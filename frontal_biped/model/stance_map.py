@@ -94,14 +94,15 @@ class StanceMap:
         return self._to_urdf(u, stance)
 
     @cached_property
-    def _sign(self) -> FloatArray:
-        """(4,) sense in which the chain counts each URDF joint."""
-        return _CHAIN_SIGN * self.axis_sign
+    def _sign(self) -> dict[Stance, FloatArray]:
+        """(4,) sense in which the chain from a stance foot counts each of its joints."""
+        left = _CHAIN_SIGN * self.axis_sign
+        return {Stance.LEFT: left, Stance.RIGHT: relabel(left).copy()}
 
     def _to_chain(self, urdf_vector: FloatArray, stance: Stance) -> FloatArray:
-        chain = self._sign * urdf_vector
-        return chain if stance is Stance.LEFT else relabel(chain)
+        chain = urdf_vector if stance is Stance.LEFT else relabel(urdf_vector)
+        return self._sign[stance] * chain
 
     def _to_urdf(self, chain_vector: FloatArray, stance: Stance) -> FloatArray:
-        left = chain_vector if stance is Stance.LEFT else relabel(chain_vector)
-        return self._sign * left
+        urdf = self._sign[stance] * chain_vector
+        return urdf if stance is Stance.LEFT else relabel(urdf)

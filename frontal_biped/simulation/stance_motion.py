@@ -1,5 +1,6 @@
 """Motion of the robot on one foot while its torques are held."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -44,6 +45,36 @@ class Reactions(NamedTuple):
     p_fri: FloatArray
 
 
+class RungeKutta(NamedTuple):
+    """The classical Runge-Kutta step of order 4, in the form that it takes for second order.
+
+    Every matrix makes a configuration and velocities, (2, n), of the rows q, dq, a_1, a_2, .. known before it.
+
+    Attributes:
+        second: (2, 3) where the acceleration a_2 is taken.
+        third: (2, 4) where a_3 is.
+        fourth: (2, 5) where a_4 is.
+        end: (2, 6) where the step ends.
+    """
+
+    second: FloatArray
+    third: FloatArray
+    fourth: FloatArray
+    end: FloatArray
+
+    @classmethod
+    @lru_cache(maxsize=64)  # a run has few lengths of a step, but for those by which its events are located
+    def of(cls, h: float) -> "RungeKutta":
+        """The step over h [s]."""
+        half, third, sixth = h / 2.0, h / 3.0, h / 6.0
+        return cls(
+            np.array([[1.0, half, 0.0], [0.0, 1.0, half]]),
+            np.array([[1.0, half, half * half, 0.0], [0.0, 1.0, 0.0, half]]),
+            np.array([[1.0, h, 0.0, h * half, 0.0], [0.0, 1.0, 0.0, 0.0, h]]),
+            np.array([[1.0, h, h * sixth, h * sixth, h * sixth, 0.0], [0.0, 1.0, sixth, third, third, sixth]]),
+        )
+
+
 class StanceMotion:
     """The robot on one foot under held torques and pushes.
 
@@ -61,6 +92,9 @@ class StanceMotion:
         self.u: FloatArray = np.zeros(len(biped.max_torque))
         self.pushes: list[tuple[float, float]] = []
         self._pelvis = PelvisForce(biped)
+        joints = len(self.u)
+        self._known, self._stage = np.zeros((6, joints)), np.zeros((2, joints))  # of a step: see `RungeKutta`
+        self._first, self._two, self._three = (self._known[:count] for count in (3, 4, 5))
 
     def feel(self, pushes: PushForces, t: float) -> None:
         """Take what acts at time t [s]."""
@@ -94,18 +128,18 @@ class StanceMotion:
         return self.biped.forward_dynamics(q, dq, self.felt(q) if self.pushes else self.u)
 
     def advance(self, state: State, h: float) -> State:
-        """State after h [s], by a Runge-Kutta step of order 4, in the form that it takes for second order."""
-        q, dq = state
-        half = 0.5 * h
-        a_1 = self._acceleration(q, dq)
-        middle = dq + half * a_1
-        a_2 = self._acceleration(q + half * dq, middle)
-        again = dq + half * a_2
-        a_3 = self._acceleration(q + half * middle, again)
-        a_4 = self._acceleration(q + h * again, dq + h * a_3)
-        inner = a_2 + a_3
-        sum_of_three = a_1 + inner
-        return State(q + h * (dq + (h / 6.0) * sum_of_three), dq + (h / 6.0) * (sum_of_three + inner + a_4))
+        """State after h [s], by a Runge-Kutta step of order 4."""
+        step, known, stage = RungeKutta.of(h), self._known, self._stage
+        q, dq = stage
+        known[0], known[1] = state
+        known[2] = self._acceleration(*state)
+        step.second.dot(self._first, stage)
+        known[3] = self._acceleration(q, dq)
+        step.third.dot(self._two, stage)
+        known[4] = self._acceleration(q, dq)
+        step.fourth.dot(self._three, stage)
+        known[5] = self._acceleration(q, dq)
+        return State(*step.end.dot(known))
 
     def first_crossing(
         self,
