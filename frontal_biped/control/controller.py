@@ -162,8 +162,8 @@ class QpController:
             The command; ``source`` and ``solved`` say what it is worth.
         """
         state = State(q, dq)
-        if not isfinite(q.dot(q) + dq.dot(dq)):
-            return self._counted(self._held(), phase, state, "the state is not finite")
+        if not _finite(state):
+            return self._without_a_state(phase, state)
         targets, y, dy = self.targets(phase, state)
         if fri_shift:
             outer, inner = self.biped.sole
@@ -190,9 +190,12 @@ class QpController:
             dy: (3,) its rate [rad/s].
             dynamics: at the state, where they are known already.
         """
-        if not isfinite(state.q.dot(state.q) + state.dq.dot(state.dq)):
-            return self._counted(self._held(), phase, state, "the state is not finite")
+        if not _finite(state):
+            return self._without_a_state(phase, state)
         return self._answered(phase, state, targets, y, dy, dynamics)
+
+    def _without_a_state(self, phase: StepPhase, state: State) -> Command:
+        return self._counted(self._held(), phase, state, "the state is not finite")
 
     def _answered(
         self,
@@ -280,3 +283,8 @@ class QpController:
     def phase(self, phase: StepPhase) -> VirtualConstraints:
         """Virtual constraints of a phase, as the stabiliser last chose them."""
         return self._phases[phase]
+
+
+def _finite(state: State) -> bool:
+    """Is every number of a state finite? A product is not where one of its factors is not, zero and infinity neither."""
+    return isfinite(state.q.dot(state.dq))

@@ -86,6 +86,7 @@ class FrontalBiped(ShownAsPage):
         self._q = np.zeros(self.floating.nv)
         self._dq = np.zeros(self.floating.nv)
         self._ddq = np.zeros(self.floating.nv)
+        self._joints = self._q[BASE:]
 
     def __repr__(self) -> str:
         outer, inner = (1e3 * end for end in self.sole)
@@ -300,7 +301,7 @@ class FrontalBiped(ShownAsPage):
 
     def posture(self, q: FloatArray) -> Posture:
         """What tells events apart, from one pass over the kinematics."""
-        self._q[BASE:] = q
+        self._joints[:] = q
         model, data = self.floating, self._floating_data
         com = pin.centerOfMass(model, data, self._q)
         for frame in self._floating_sole_frames:

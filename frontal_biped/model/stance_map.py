@@ -24,23 +24,25 @@ _CHAIN_SIGN = np.array([1.0, 1.0, -1.0, -1.0])
 
 
 class Stance(Enum):
-    """Which foot stands."""
+    """Which foot stands.
+
+    Attributes:
+        sign: +1 for the left foot, -1 for the right one: where it stands on the world's y axis, and how runs store it.
+            The h axis of the frontal plane, from the stance foot towards the swing foot, points to -sign on the y axis.
+    """
 
     LEFT = "left"
     RIGHT = "right"
 
+    sign: float
+
+    def __init__(self, name: str) -> None:
+        self.sign = 1.0 if name == "left" else -1.0  # kept: `Stance.LEFT` is a search, and ticks ask for a sign often
+
     @property
     def other(self) -> "Stance":
         """The other foot."""
-        return Stance.RIGHT if self is Stance.LEFT else Stance.LEFT
-
-    @property
-    def sign(self) -> float:
-        """+1 for the left foot, -1 for the right one: where it stands on the world's y axis, and how runs store it.
-
-        The h axis of the frontal plane, from the stance foot towards the swing foot, points to -sign on the y axis.
-        """
-        return 1.0 if self is Stance.LEFT else -1.0
+        return _OTHER[self]
 
     __hash__ = object.__hash__  # members are single; Enum's own is a Python call, some fifty in a control tick
 
@@ -48,6 +50,9 @@ class Stance(Enum):
     def of_sign(cls, sign: float) -> "Stance":
         """The foot that `sign` stands for."""
         return cls.LEFT if sign > 0.0 else cls.RIGHT
+
+
+_OTHER = {Stance.LEFT: Stance.RIGHT, Stance.RIGHT: Stance.LEFT}
 
 
 def relabel(chain_vector: FloatArray) -> FloatArray:
@@ -100,9 +105,9 @@ class StanceMap:
         return {Stance.LEFT: left, Stance.RIGHT: relabel(left).copy()}
 
     def _to_chain(self, urdf_vector: FloatArray, stance: Stance) -> FloatArray:
-        chain = urdf_vector if stance is Stance.LEFT else relabel(urdf_vector)
+        chain = urdf_vector if stance.sign > 0.0 else relabel(urdf_vector)
         return self._sign[stance] * chain
 
     def _to_urdf(self, chain_vector: FloatArray, stance: Stance) -> FloatArray:
         urdf = self._sign[stance] * chain_vector
-        return urdf if stance is Stance.LEFT else relabel(urdf)
+        return urdf if stance.sign > 0.0 else relabel(urdf)

@@ -19,7 +19,7 @@ from frontal_biped.control.interface import Controller, many_at_once
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.state import State
 from frontal_biped.numerics.collocation import Collocation, Stretch
-from frontal_biped.simulation.hybrid_system import EventKind, Guard
+from frontal_biped.simulation.hybrid_system import EventKind, Guard, Guards
 from frontal_biped.simulation.loop import PHASE_TIME_LIMIT, TIMED_OUT, TOO_STIFF
 from frontal_biped.virtual_constraints.phase import StepPhase
 
@@ -92,7 +92,7 @@ def follow_phase(
     phase: StepPhase,
     t: float,
     state: State,
-    guards: tuple[Guard, ...],
+    guards: Guards,
     rtol: float,
     atol: float,
 ) -> PhaseFlow:
@@ -114,7 +114,7 @@ def follow_phase(
     bridge = until - t if stretches is None else BRIDGE
     pieces: list[Piece] = []
     here = Ended(t, state, TIMED_OUT)
-    values = [guard.function(*state) for guard in guards]
+    values = guards.values(*state)
     while here.t < until:
         stretch = None if stretches is None else stretches.advance(here.t, *here.state, until)
         ended: Ended | None
@@ -128,7 +128,7 @@ def follow_phase(
             pieces.append(piece)
             bridge *= 2.0
             here = ended or Ended(piece.end, _halves(piece.at(np.array([piece.end]))[0]), TIMED_OUT)
-            values = [guard.function(*here.state) for guard in guards]
+            values = guards.values(*here.state)
         if ended is not None:
             break
     return PhaseFlow(pieces, state, here)
@@ -149,12 +149,14 @@ def _collocation(
     return Collocation(acceleration, rtol, atol)
 
 
-def _first_event(stretch: Stretch, guards: tuple[Guard, ...], before: list[float]) -> tuple[Ended | None, list[float]]:
+def _first_event(
+    stretch: Stretch, guards: Guards, before: tuple[float, ...]
+) -> tuple[Ended | None, tuple[float, ...]]:
     """The first guard crossed in its direction on a stretch, if any; and the guards' values at its end."""
     left = stretch.start
     for i in range(LOOKS, len(stretch.q), LOOKS):
         q, dq, right = stretch.q[i], stretch.dq[i], stretch.times.item(i)
-        values = [guard.function(q, dq) for guard in guards]
+        values = guards.values(q, dq)
         crossed = [
             (_located(stretch, guard, left, right), guard.kind)
             for guard, a, b in zip(guards, before, values, strict=True)
@@ -191,7 +193,7 @@ class _OneByOne:
         controller: Controller,
         plant: FrontalBiped,
         phase: StepPhase,
-        guards: tuple[Guard, ...],
+        guards: Guards,
         rtol: float,
         atol: float,
     ) -> None:

@@ -1,6 +1,6 @@
 """The hybrid system of the full model: guards and reset ([O] eq. hybridsystem, with Sigma_f for its second half)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.model.biped import FrontalBiped, Posture
+from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import UPRIGHT
 from frontal_biped.model.impact import Landing, impact
 
@@ -59,13 +59,34 @@ class Guard(NamedTuple):
 
 @dataclass(frozen=True)
 class Guards:
+    """Guards of a phase.
+
+    Attributes:
+        events: kind and direction of each.
+        values: of all of them at q (4,), dq (4,).
+    """
+
+    events: tuple[tuple[EventKind, int], ...]
+    values: Callable[[FloatArray, FloatArray], tuple[float, ...]]
+
+    def __iter__(self) -> Iterator[Guard]:
+        """One after another."""
+        for place, (kind, direction) in enumerate(self.events):
+            yield Guard(kind, self._function(place), direction)
+
+    def _function(self, place: int) -> Callable[[FloatArray, FloatArray], float]:
+        return lambda q, dq: self.values(q, dq)[place]
+
+
+@dataclass(frozen=True)
+class WalkingGuards:
     """Guards of the two phases."""
 
-    rising: tuple[Guard, ...]
-    falling: tuple[Guard, ...]
+    rising: Guards
+    falling: Guards
 
 
-def walking_guards(biped: FrontalBiped, leaving: float = 0.0, landing: float = 0.0) -> Guards:
+def walking_guards(biped: FrontalBiped, leaving: float = 0.0, landing: float = 0.0) -> WalkingGuards:
     """Guards of a walking biped: reversal and impact, and the ways to fall.
 
     Args:
@@ -73,49 +94,23 @@ def walking_guards(biped: FrontalBiped, leaving: float = 0.0, landing: float = 0
         leaving: height of the ground that the swing foot leaves, above the ground under the stance foot [m].
         landing: height of the ground on which it will land [m]; from the reversal on it is over that.
     """
-    upright_height = float(biped.com(np.full(4, UPRIGHT))[1])
+    lowest = LOWEST * float(biped.com(np.full(4, UPRIGHT))[1])
     outer, _ = biped.sole
-    asked: list[tuple[FloatArray, Posture]] = []  # the last q, and the posture there
 
-    def posture(q: FloatArray) -> Posture:
-        """Three guards ask for it at the same q."""
-        if not asked or asked[0][0] is not q:
-            asked[:] = [(q, biped.posture(q))]
-        return asked[0][1]
+    def rising(q: FloatArray, dq: FloatArray) -> tuple[float, ...]:
+        com_h, com_v, inner, outer_end = biped.posture(q)
+        low, high = (inner, outer_end) if inner < outer_end else (outer_end, inner)
+        graze = GRAZE + LEAVING * min(max(2.0 - (high - leaving) / (2.0 * LEAVING), 0.0), 1.0)
+        return dq.item(0), low - leaving + graze, com_h - outer, com_v - lowest
 
-    def speed(_: FloatArray, dq: FloatArray) -> float:
-        return dq.item(0)
+    def falling(q: FloatArray, dq: FloatArray) -> tuple[float, ...]:
+        com_h, com_v, inner, outer_end = biped.posture(q)
+        return min(inner, outer_end) - landing, dq.item(0), com_h - outer, com_v - lowest
 
-    def clearance(q: FloatArray, _: FloatArray) -> float:
-        at = posture(q)
-        return min(at.inner_v, at.outer_v) - landing
-
-    def grazing_clearance(q: FloatArray, _: FloatArray) -> float:
-        at = posture(q)
-        low, high = sorted((at.inner_v - leaving, at.outer_v - leaving))
-        return low + GRAZE + LEAVING * min(max(2.0 - high / (2.0 * LEAVING), 0.0), 1.0)
-
-    def inside_outer_edge(q: FloatArray, _: FloatArray) -> float:
-        return posture(q).com_h - outer
-
-    def height(q: FloatArray, _: FloatArray) -> float:
-        return posture(q).com_v - LOWEST * upright_height
-
-    fallen = (
-        Guard(EventKind.TIPPED_OUTWARDS, inside_outer_edge, -1),
-        Guard(EventKind.COLLAPSED, height, -1),
-    )
-    return Guards(
-        rising=(
-            Guard(EventKind.REVERSAL, speed, -1),
-            Guard(EventKind.EARLY_LANDING, grazing_clearance, -1),
-            *fallen,
-        ),
-        falling=(
-            Guard(EventKind.IMPACT, clearance, -1),
-            Guard(EventKind.TURNED_OUTWARDS, speed, +1),
-            *fallen,
-        ),
+    fallen = ((EventKind.TIPPED_OUTWARDS, -1), (EventKind.COLLAPSED, -1))
+    return WalkingGuards(
+        Guards(((EventKind.REVERSAL, -1), (EventKind.EARLY_LANDING, -1), *fallen), rising),
+        Guards(((EventKind.IMPACT, -1), (EventKind.TURNED_OUTWARDS, +1), *fallen), falling),
     )
 
 

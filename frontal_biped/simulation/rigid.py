@@ -9,7 +9,7 @@ from frontal_biped.model.perturbation import ModelErrors, Plant
 from frontal_biped.model.stance_map import Stance, relabel
 from frontal_biped.model.state import State
 from frontal_biped.simulation.engine import AT_ONCE, Move, first_foothold
-from frontal_biped.simulation.hybrid_system import EventKind, Guard, land, walking_guards
+from frontal_biped.simulation.hybrid_system import EventKind, Guards, land, walking_guards
 from frontal_biped.simulation.pushes import PushForces
 from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.simulation.stance_motion import Reaction, StanceMotion
@@ -51,6 +51,7 @@ class RigidEngine:
         self._motion = {side: StanceMotion(self.plant.on(side), side) for side in Stance}
         self._ground = dict.fromkeys(Stance, 0.0)
         self._next_ground = dict.fromkeys(Stance, 0.0)
+        self._holds = settings.disturbances.friction is None and not settings.disturbances.rolls
 
     def place(self, stance: Stance, state: State) -> None:
         """Stand on a foot right after an impact; the feet are level about y = 0, as in a walk on the spot."""
@@ -61,7 +62,7 @@ class RigidEngine:
         self._guard()
 
     @property
-    def guards(self) -> tuple[Guard, ...]:
+    def guards(self) -> Guards:
         """Whose crossing ends the present phase."""
         return self._guards
 
@@ -109,25 +110,22 @@ class RigidEngine:
         here, swing = self._ground[self.stance], self.stance.other
         guards = walking_guards(self.plant.on(self.stance), self._ground[swing] - here, self._next_ground[swing] - here)
         self._guards = guards.rising if self.phase is StepPhase.RISING else guards.falling
-        self._values = self._guard_values(self.state)
-
-    def _guard_values(self, state: State) -> list[float]:
-        return [guard.function(*state) for guard in self._guards]
+        self._values = self._guards.values(*self.state)
 
     def advance(self, t: float, end: float, tau: FloatArray, pushes: PushForces) -> Move:
         """Under held joint torques (4,) [N m] from t to ``end`` [s], or to the first event."""
-        motion = self.motion
+        motion, pushed = self.motion, pushes.any
         motion.u = self.biped.stance_map.torques_to_stance(tau, self.stance)
         steps: list[tuple[float, float, State]] = []
         while end - t > AT_ONCE:
-            if pushes.any:
+            if pushed:
                 motion.feel(pushes, t)
-            gave_way = self._gives_way()
+            gave_way = None if self._holds else self._gives_way()
             if gave_way is not None:
                 return Move(t, steps, gave_way, gave_way)
             h = min(end - t, MAX_STEP)
             after = motion.advance(self.state, h)
-            values = self._guard_values(after)
+            values = self._guards.values(*after)
             hit = motion.first_crossing(self.state, h, self._guards, self._values, values)
             if hit is not None:
                 h, kind = hit
@@ -142,9 +140,7 @@ class RigidEngine:
 
     def _gives_way(self) -> EventKind | None:
         """How the ground fails to hold the stance foot, where the settings say that it can."""
-        friction, rolls = self.settings.disturbances.friction, self.settings.disturbances.rolls
-        if friction is None and not rolls:
-            return None
+        friction = self.settings.disturbances.friction
         reaction = self.motion.reaction(self.state)
         if reaction.friction_used > (friction or np.inf):
             return EventKind.SLIPPED

@@ -10,7 +10,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
-from frontal_biped.simulation.hybrid_system import EventKind, Guard
+from frontal_biped.simulation.hybrid_system import EventKind, Guards
 from frontal_biped.simulation.pushes import PelvisForce, PushForces, along_h
 
 
@@ -145,17 +145,17 @@ class StanceMotion:
         self,
         state: State,
         h: float,
-        guards: tuple[Guard, ...],
-        before: list[float],
-        after: list[float],
+        guards: Guards,
+        before: tuple[float, ...],
+        after: tuple[float, ...],
     ) -> tuple[float, EventKind] | None:
         """Time into the step and kind of the earliest guard crossed in its direction."""
         found = []
-        for guard, a, b in zip(guards, before, after, strict=True):
-            if a * guard.direction < 0.0 <= b * guard.direction:
+        for place, (kind, direction) in enumerate(guards.events):
+            if before[place] * direction < 0.0 <= after[place] * direction:
 
-                def value(tau: float, guard: Guard = guard) -> float:
-                    return guard.function(*self.advance(state, tau))
+                def value(tau: float, place: int = place) -> float:
+                    return guards.values(*self.advance(state, tau))[place]
 
-                found.append((float(brentq(value, 0.0, h, xtol=1e-14)), guard.kind))
+                found.append((float(brentq(value, 0.0, h, xtol=1e-14)), kind))
         return min(found, key=lambda item: item[0]) if found else None

@@ -12,17 +12,21 @@ from frontal_biped.virtual_constraints.bezier import bernstein, bernstein_at, be
 
 
 class StepPhase(Enum):
-    """The continuous phases of a step ([O] HG1): dbeta > 0 while rising, dbeta < 0 while falling."""
+    """The continuous phases of a step ([O] HG1): dbeta > 0 while rising, dbeta < 0 while falling.
+
+    Attributes:
+        sign: of dbeta, +1 rising and -1 falling: how runs store the phase.
+    """
 
     RISING = "rising"
     FALLING = "falling"
 
-    __hash__ = object.__hash__  # as `Stance`
+    sign: float
 
-    @property
-    def sign(self) -> float:
-        """Sign of dbeta, +1 rising and -1 falling: how runs store the phase."""
-        return 1.0 if self is StepPhase.RISING else -1.0
+    def __init__(self, name: str) -> None:
+        self.sign = 1.0 if name == "rising" else -1.0
+
+    __hash__ = object.__hash__  # as `Stance`
 
     @classmethod
     def of_sign(cls, sign: float) -> "StepPhase":

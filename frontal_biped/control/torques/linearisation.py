@@ -67,20 +67,14 @@ class Targets(NamedTuple):
 
     def line(self) -> FloatArray:
         """(2, 4) accelerations a + c x that give the outputs theirs: a [rad/s^2], and c, by the phase's variable x."""
-        line = np.zeros((2, JOINTS))
-        a, line[1] = line[0], self.slope()
-        np.add(self.ddy, self.h_d2_dbeta2, out=a[1:])
-        if self.sway is not None:
-            a[0] = -(self.sway.drift + self.sway.J[1:].dot(a[1:]).item()) / self.sway.J.item(0)
-        return line
-
-    def slope(self) -> FloatArray:
-        """(4,) c alone: accelerations that leave the outputs' as they are, by the phase's variable."""
-        c = np.empty(JOINTS)
-        c[0], c[1:] = 1.0, self.h_d1
-        if self.sway is not None:
-            c[0] = (1.0 - self.sway.J[1:].dot(self.h_d1).item()) / self.sway.J.item(0)
-        return c
+        a, c = self.ddy + self.h_d2_dbeta2, self.h_d1
+        if self.sway is None:
+            a_1, c_1 = 0.0, 1.0
+        else:
+            J_1, J_body = self.sway.J.item(0), self.sway.J[1:]
+            a_1 = -(self.sway.drift + J_body.dot(a).item()) / J_1
+            c_1 = (1.0 - J_body.dot(c).item()) / J_1
+        return np.array((a_1, *a.tolist(), c_1, *c.tolist())).reshape(2, JOINTS)
 
     def of_outputs(self) -> FloatArray:
         """(4, 4) accelerations that the outputs' residuals take at an unchanged rate of the phase's variable."""
@@ -118,19 +112,15 @@ class StanceDynamics(NamedTuple):
 
     def linearising(self, targets: Targets) -> Motion | None:
         """The motion that meets all targets; None where I_P vanishes."""
-        p_fri = targets.p_fri
-        a, c = line = targets.line()
-        forces, along = line.dot(self.M[BASE:])  # M is symmetric, and the foot at rest
+        p_fri, line = targets.p_fri, targets.line()
+        of_line = line.dot(self.M[BASE:])  # M is symmetric, and the foot at rest
+        forces, along = of_line[0], of_line[1]
         forces += self.bias
         divisor = along.item(N_0) - p_fri * along.item(F_V)
         if divisor == 0.0:
             return None
-        ddbeta = (p_fri * forces.item(F_V) - forces.item(N_0)) / divisor
-        along *= ddbeta
-        forces += along
-        c *= ddbeta
-        c += a
-        return Motion(c, forces)
+        point = np.array((1.0, (p_fri * forces.item(F_V) - forces.item(N_0)) / divisor))
+        return Motion(point.dot(line), point.dot(of_line))
 
     def along_residuals(self, targets: Targets, a_0: float, T_0: float) -> FloatArray:
         """(4, 4) derivative of ddq with respect to the residuals of a motion; times M[:, 3:], of the forces.
@@ -142,7 +132,7 @@ class StanceDynamics(NamedTuple):
         """
         m = self.M[F_V, BASE:] * -targets.p_fri
         m += self.M[N_0, BASE:]
-        c, of_outputs = targets.slope(), a_0 * targets.of_outputs()
+        c, of_outputs = targets.line()[1], a_0 * targets.of_outputs()
         k = m.dot(of_outputs)
         k *= -1.0
         k[FRI] = T_0
@@ -184,6 +174,6 @@ class StanceModel:
 
     def at(self, state: State) -> StanceDynamics:
         """The dynamics at a state."""
-        self._joints[:], self._rates[:] = state
+        self._joints[:], self._rates[:] = state.q, state.dq
         M = pin.crba(self._model, self._data, self._q)
         return StanceDynamics(state, M, pin.nonLinearEffects(self._model, self._data, self._q, self._dq))
