@@ -286,5 +286,5 @@ class QpController:
 
 
 def _finite(state: State) -> bool:
-    """Is every number of a state finite? A product is not where one of its factors is not, zero and infinity neither."""
+    """Is every number of a state finite? Where a factor is not, be the other zero, no product and no sum is."""
     return isfinite(state.q.dot(state.dq))

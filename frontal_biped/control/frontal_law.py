@@ -209,7 +209,7 @@ class FrontalLaw:
         if self._begun is None or (self._until_settled <= 0.0 and phase is StepPhase.RISING):
             self._until_settled = np.inf
             self._begin(phase, sway, pose, rates)
-        elif event is PhaseEvent.REVERSAL or event is PhaseEvent.TURNED_OUTWARDS:
+        elif event is not None and event is not PhaseEvent.LANDING:
             # where the robot turns every rate is zero, and the phase before says with which slope it goes on
             self._until_settled = np.inf
             before = self._begun.at(sway.value)
@@ -222,7 +222,8 @@ class FrontalLaw:
             shift += self.offset[self._stance]
         asked = self._begun.at(sway.value)
         y, dy = pose - asked.h_d, rates - asked.h_d1 * sway.rate
-        ddy = -self._kp * y - self._kd * dy
+        ddy = y * -self._kp
+        ddy -= dy * self._kd
         outer, inner = self._sole
         p_fri = min(max(asked.p_fri + shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
         return FrontalTargets(Targets(asked.h_d1, asked.h_d2 * sway.rate**2, ddy, p_fri, sway=sway), y, dy)

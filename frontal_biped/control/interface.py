@@ -1,6 +1,5 @@
 """What a controller and what drives it exchange: readings and commands, phases and states."""
 
-from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple, Protocol, cast
 
@@ -17,8 +16,7 @@ class PhaseEvent(Enum):
     LANDING = "landing"
 
 
-@dataclass(frozen=True)
-class Reading:
+class Reading(NamedTuple):
     """What a real robot can measure at one tick.
 
     Attributes:
@@ -38,8 +36,7 @@ class Reading:
     contact: tuple[bool, bool]
 
 
-@dataclass(frozen=True)
-class WalkerCommand:
+class WalkerCommand(NamedTuple):
     """Answer to one reading.
 
     Attributes:

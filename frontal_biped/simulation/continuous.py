@@ -149,9 +149,7 @@ def _collocation(
     return Collocation(acceleration, rtol, atol)
 
 
-def _first_event(
-    stretch: Stretch, guards: Guards, before: tuple[float, ...]
-) -> tuple[Ended | None, tuple[float, ...]]:
+def _first_event(stretch: Stretch, guards: Guards, before: tuple[float, ...]) -> tuple[Ended | None, tuple[float, ...]]:
     """The first guard crossed in its direction on a stretch, if any; and the guards' values at its end."""
     left = stretch.start
     for i in range(LOOKS, len(stretch.q), LOOKS):

@@ -127,7 +127,7 @@ class Answering(Walker):
 
     def tick(self, reading):
         command = super().tick(reading)
-        fields = {name: getattr(command, name) for name in WalkerCommand.__dataclass_fields__}
+        fields = {name: getattr(command, name) for name in WalkerCommand._fields}
         fields |= self.change
         return SimpleNamespace(**{name: value for name, value in fields.items() if value is not Answering})
 

@@ -141,15 +141,14 @@ class StanceDynamics(NamedTuple):
         along += of_outputs
         return along
 
-    def sway(self, value: float, mass: float) -> Sway:
-        """The sway, from what is known of the momentum.
+    def sway(self, mass: float) -> Sway:
+        """The sway, from what is known of the momentum of a robot of that mass [kg].
 
-        Args:
-            value: of the sway [m].
-            mass: of the robot [kg].
+        Turned about the ground point below the stance ankle, the robot moves m p_cm^h upwards per unit of its rate; and
+        F_H = m dds, for the foot is at rest.
         """
-        J = self.M[F_H, BASE:] / mass  # F_H = m dds, for the foot is at rest
-        return Sway(value, J.dot(self.state.dq).item(), J, self.bias.item(F_H) / mass)
+        J = self.M[F_H, BASE:] / mass
+        return Sway(self.M.item(N_0, F_V) / mass, J.dot(self.state.dq).item(), J, self.bias.item(F_H) / mass)
 
 
 _OF_OUTPUTS = np.eye(JOINTS, k=-1)

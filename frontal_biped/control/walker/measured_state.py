@@ -15,10 +15,10 @@ def measured_state(coordinates: StanceMap, reading: Reading, stance: Stance) -> 
         stance: the foot taken for the stance foot.
     """
     outwards = -stance.sign  # sense of +X in (h, v)
-    q = coordinates.positions_to_stance(reading.joint_positions, stance).copy()
-    q[0] = outwards * reading.base_roll + 2.0 * UPRIGHT - q[1]
+    q = coordinates.positions_to_stance(reading.joint_positions, stance)
+    q[0] = outwards * reading.base_roll + 2.0 * UPRIGHT - q.item(1)
     if reading.joint_velocities is None:
         return q, None
-    dq = coordinates.velocities_to_stance(reading.joint_velocities, stance).copy()
-    dq[0] = outwards * reading.base_roll_rate - dq[1]
+    dq = coordinates.velocities_to_stance(reading.joint_velocities, stance)
+    dq[0] = outwards * reading.base_roll_rate - dq.item(1)
     return q, dq

@@ -26,7 +26,7 @@ class OverSway:
     """
 
     def __init__(self, biped: FrontalBiped, controller: QpController, law: FrontalLaw) -> None:
-        self._biped, self._controller, self.law = biped, controller, law
+        self._controller, self.law = controller, law
         self._stance_model, self._mass = StanceModel(biped), biped.mass
         self._last: Targets | None = None
         self._seen: tuple[State, StanceDynamics, Sway] | None = None
@@ -58,8 +58,9 @@ class OverSway:
         error = 0.0
         if self._last is not None:
             # what the ankle's moment does not explain, along the virtual constraints: I_P x'' = moment
-            c, m = self._last.line()[1], dynamics.M[N_0, BASE:] - self._last.p_fri * dynamics.M[F_V, BASE:]
-            error = (dynamics.M[BASE, BASE:].dot(unexplained) / m.dot(c)).item()
+            along = dynamics.M[:, BASE:].dot(self._last.line()[1])
+            I_P = along.item(N_0) - self._last.p_fri * along.item(F_V)
+            error = dynamics.M[BASE, BASE:].dot(unexplained).item() / I_P
         wanted = self.law.at(phase, state, sway, event, error)
         self._last = wanted.targets
         return self._controller.follow(phase, state, wanted.targets, wanted.y, wanted.dy, dynamics)
@@ -68,5 +69,5 @@ class OverSway:
         """Dynamics and sway; a tick asks twice for the same state."""
         if self._seen is None or self._seen[0] is not state:
             dynamics = self._stance_model.at(state)
-            self._seen = state, dynamics, dynamics.sway(self._biped.com(state.q).item(0), self._mass)
+            self._seen = state, dynamics, dynamics.sway(self._mass)
         return self._seen[1:]

@@ -40,11 +40,6 @@ class StateEstimator:
         period: time between readings [s].
         settings: what to trust.
         delay: from a reading to the torques it leads to [s].
-
-    Attributes:
-        q: (4,) estimate [rad].
-        dq: (4,) its rate [rad/s].
-        error: (4,) acceleration error of the model [rad/s^2].
     """
 
     def __init__(
@@ -62,65 +57,87 @@ class StateEstimator:
             what: np.stack([gain_table(s, period, what == "velocities") for s in (chosen, chosen, chosen, foot)], -1)
             for what in ("positions", "velocities")
         }
-        self.q, self.dq, self.error = np.zeros(4), np.zeros(4), np.zeros(4)
-        self._remembered = {stance: np.zeros(4) for stance in Stance}
-        self._stance = Stance.LEFT
+        half = 0.5 * period
+        # of the rows q, dq, the error, and the model's accelerations at the beginning and in the middle
+        self._middle = np.array([[1.0, half, 0.0, 0.0], [0.0, 1.0, half, half]])
+        self._end = np.array(
+            [
+                [1.0, period, period * half, period * half, 0.0],
+                [0.0, 1.0, period, 0.0, period],
+                [0.0, 0.0, 1.0, 0.0, 0.0],
+            ]
+        )
+        self._known = np.zeros((5, 4))
+        self.reset(Stance.LEFT, np.zeros(4), np.zeros(4))
         self._readings = 0
+
+    @property
+    def q(self) -> FloatArray:
+        """(4,) estimate [rad]."""
+        return self._estimate[0]
+
+    @property
+    def dq(self) -> FloatArray:
+        """(4,) its rate [rad/s]."""
+        return self._estimate[1]
+
+    @property
+    def error(self) -> FloatArray:
+        """(4,) acceleration error of the model [rad/s^2]."""
+        return self._estimate[2]
 
     def reset(self, stance: Stance, q: FloatArray, dq: FloatArray) -> None:
         """Start at a known state, the model trusted."""
-        self.q, self.dq, self.error = q.copy(), dq.copy(), np.zeros(4)
+        self._estimate = np.array((q, dq, np.zeros(4)))
         self._remembered = {stance: np.zeros(4) for stance in Stance}
         self._stance, self._readings = stance, TABULATED - 1
 
     def predict(self, u: FloatArray) -> None:
         """One period on, under the torques u (4,) that were applied in it [N m]."""
-        self.q, self.dq = self._advanced(self.q, self.dq, u)
+        self._estimate = self._advanced(self._estimate, u)
 
     def correct(self, q: FloatArray, dq: FloatArray | None = None) -> None:
         """Take a reading of q (4,) [rad], and of dq (4,) [rad/s] if there is one."""
         at = min(self._readings, TABULATED - 1)
         self._readings += 1
-        missed = q - self.q
         if dq is None:
-            steps = self._gains["positions"][at, :, 0] * missed
+            steps = self._gains["positions"][at, :, 0] * (q - self.q)
         else:
             gains = self._gains["velocities"][at]
-            steps = gains[:, 0] * missed + gains[:, 1] * (dq - self.dq)
-        steps[0] += self.q
-        steps[1] += self.dq
-        steps[2] += self.error
-        self.q, self.dq, self.error = _sensible(steps)
+            steps = gains[:, 0] * (q - self.q)
+            steps += gains[:, 1] * (dq - self.dq)
+        steps += self._estimate
+        self._estimate = _sensible(steps)
 
     def land(self) -> None:
         """The swing foot lands and becomes the stance foot; if it lands tilted, the leg keeps its absolute angle."""
         landed = impact(self.biped, self.q, self.dq)
         tilt = float(self.biped.swing_foot_rotation(self.q))
-        self.q, self.dq = landed.q_plus.copy(), landed.dq_plus.copy()
-        self.q[0] -= tilt
         self._remembered[self._stance] = self.error
         self._stance = self._stance.other
-        self.error = self._remembered[self._stance].copy()
+        self._estimate = np.array((landed.q_plus, landed.dq_plus, self._remembered[self._stance]))
+        self._estimate[0, 0] -= tilt
         self._readings = 0
 
     def ahead(self, torques: Iterable[FloatArray]) -> tuple[FloatArray, FloatArray]:
         """q and dq after torques (4,) [N m] that are on their way, each held for a period."""
-        q, dq = self.q, self.dq
+        estimate = self._estimate
         for u in torques:
-            q, dq = self._advanced(q, dq, u)
-        return q, dq
+            estimate = self._advanced(estimate, u)
+        return estimate[0], estimate[1]
 
-    def _advanced(self, q: FloatArray, dq: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
-        h, model, data = self.period, self._model, self._data
-        half = 0.5 * h
-        ddq = pin.aba(model, data, q, dq, u) + self.error
-        mean = dq + half * ddq
-        middle = pin.aba(model, data, q + half * dq, mean, u) + self.error
-        ahead = np.array((q + h * mean, dq + h * middle))
-        q, dq = _sensible(ahead)
-        return q, dq
+    def _advanced(self, estimate: FloatArray, u: FloatArray) -> FloatArray:
+        """(3, 4) an estimate one period on, by a midpoint step with the error held."""
+        known = self._known
+        known[:3] = estimate
+        known[3] = pin.aba(self._model, self._data, known[0], known[1], u)
+        q, dq = self._middle.dot(known[:4])
+        known[4] = pin.aba(self._model, self._data, q, dq, u)
+        return _sensible(self._end.dot(known))
 
 
 def _sensible(values: FloatArray) -> FloatArray:
     """Values that can be reckoned with, whatever a broken sensor says: none beyond `LARGEST`."""
+    if np.vdot(values, values) <= LARGEST**2:  # all of them, then, which is told in half the time
+        return values
     return np.minimum(np.maximum(values, -LARGEST), LARGEST)

@@ -74,7 +74,7 @@ def test_over_the_sway(controllers, ddy, q, dq, p_fri):
     exact, few = controllers
     at = State(q, dq)
     dynamics = StanceModel(exact.biped).at(at)
-    sway = dynamics.sway(float(exact.biped.com(q)[0]), exact.biped.mass)
+    sway = dynamics.sway(exact.biped.mass)
     targets = Targets(np.array([1.0, -1.5, 0.5]), np.zeros(3), ddy, p_fri, sway=sway)
     found = few.program._few_rows.solve(dynamics, targets)
     assume(found is not None)

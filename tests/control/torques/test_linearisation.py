@@ -58,12 +58,20 @@ def test_a_state_is_evaluated_once_and_for_all(biped, reference_gait, q, dq, oth
         assert np.array_equal(part, fresh)
 
 
+@given(q=angles, dq=rates)
+def test_the_sway_is_that_of_the_centre_of_mass(biped, q, dq):
+    """Read off the momentum; its value and rate as the kinematics has them."""
+    sway = StanceModel(biped).at(State(q, dq)).sway(biped.mass)
+    assert sway.value == pytest.approx(float(biped.com(q)[0]), abs=1e-12)
+    assert sway.rate == pytest.approx(float(biped.com_velocity(q, dq)[0]), abs=1e-12 * (1.0 + np.abs(dq).max()))
+
+
 @given(q=vectors(-1.9, -1.2, 4), dq=vectors(-1.0, 1.0, 4), r=vectors(-5.0, 5.0, 4), p_fri=st.floats(-0.04, 0.04))
 def test_residuals_over_the_sway(biped, q, dq, r, p_fri):
     """The same law for outputs that are functions of the sway, whose acceleration is taken from the ground's force."""
     a_0, T_0 = 10.0, 0.1 * biped.weight
     dynamics = StanceModel(biped).at(State(q, dq))
-    sway = dynamics.sway(float(biped.com(q)[0]), biped.mass)
+    sway = dynamics.sway(biped.mass)
     slope, curve = np.array([2.0, -3.0, 1.0]), np.array([0.5, -0.2, 0.1])
     targets = Targets(slope, curve * sway.rate**2, np.array([1.0, -2.0, 0.5]), p_fri, sway=sway)
     motion = dynamics.linearising(targets)
@@ -84,7 +92,7 @@ def test_program_over_the_sway_by_another_solver(biped, q, dq, ddy, p_fri):
     """Limits active or not: the exact solution has the cost of ProxQP's."""
     program = TorqueProgram(biped, ControllerSettings())
     state = State(q, dq)
-    sway = StanceModel(biped).at(state).sway(float(biped.com(q)[0]), biped.mass)
+    sway = StanceModel(biped).at(state).sway(biped.mass)
     targets = Targets(np.array([1.0, -1.5, 0.5]), np.zeros(3), ddy, p_fri, sway=sway)
     answer = program.solve(state, targets)
     posed, _ = program.pose(state, targets)

@@ -82,7 +82,7 @@ def test_landing_is_the_impact_of_the_model(biped):
     estimator.reset(Stance.LEFT, q, RATES)
     estimator.error[:] = 1.0
     before = estimator.q + np.array([0.0, 0.0, 0.0, 0.01])
-    estimator.q = before
+    estimator.q[:] = before
     expected = impact(biped, before, RATES)
     tilt = float(biped.swing_foot_rotation(before))
     estimator.land()
@@ -96,8 +96,8 @@ def test_landing_is_the_impact_of_the_model(biped):
 def test_each_foot_remembers_its_error(biped):
     estimator = StateEstimator(biped, H)
     estimator.reset(Stance.LEFT, START, RATES)
-    estimator.error = np.array([1.0, 2.0, 3.0, 4.0])
+    estimator.error[:] = np.array([1.0, 2.0, 3.0, 4.0])
     estimator.land()
-    estimator.error = np.array([-1.0, -2.0, -3.0, -4.0])
+    estimator.error[:] = np.array([-1.0, -2.0, -3.0, -4.0])
     estimator.land()
     np.testing.assert_array_equal(estimator.error, [1.0, 2.0, 3.0, 4.0])
