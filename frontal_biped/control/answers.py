@@ -11,6 +11,8 @@ from frontal_biped.exceptions import ControllerError
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.virtual_constraints.phase import StepPhase
 
+_NUMBER, _MISSING = np.dtype(float), object()
+
 _READ: Mapping[str, Mapping[str, Any]] = {
     "tick": {"phase": StepPhase, "stance": Stance, "event": (PhaseEvent, type(None)), "q": 4, "y": 3},
     "command": {"y": 3},
@@ -38,9 +40,8 @@ def check_answer(answer: object, torques: str, count: int, asked: str, t: float,
             f" {torques} are {count} finite numbers (N m)"
         )
     for name, wanted in _READ[asked].items():
-        value = getattr(answer, name, None)
-        fits = _numbers(value, wanted) is not None if isinstance(wanted, int) else isinstance(value, wanted)
-        if not (fits and hasattr(answer, name)):
+        value = getattr(answer, name, _MISSING)
+        if not (_numbers(value, wanted) is not None if isinstance(wanted, int) else isinstance(value, wanted)):
             told = f"with {name} = {_shown(value)}" if hasattr(answer, name) else f"without {name}"
             raise ControllerError(
                 f"the controller's {asked} at t = {t:.4f} s returned {type(answer).__name__} {told}; give it"
@@ -56,7 +57,7 @@ def check_answer(answer: object, torques: str, count: int, asked: str, t: float,
 
 def _numbers(values: object, count: int) -> np.ndarray[Any, Any] | None:
     """The array of so many real numbers that the values are; None: they are none."""
-    if type(values) is np.ndarray and values.dtype == float and values.shape == (count,):
+    if type(values) is np.ndarray and values.dtype is _NUMBER and values.shape == (count,):
         return values
     try:
         array = np.asarray(values)

@@ -5,7 +5,6 @@ q, dq, forces and FRI of the recording are the engine's.
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, is_dataclass
-from math import isfinite
 from typing import Any, TypedDict, Unpack
 
 import numpy as np
@@ -13,6 +12,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.answers import check_answer
 from frontal_biped.control.interface import PhaseEvent, Tickable, WalkerCommand
+from frontal_biped.exceptions import ControllerError
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.model.stance_map import Stance
@@ -75,25 +75,32 @@ class Sensed:
         """Show the walker what the sensors tell; None after the last landing that it noticed."""
         true = self._engine.read(t)
         command = self._walker.tick(self._sensors.read(true))
-        if isfinite(
-            true.joint_positions.dot(true.joint_positions)
-        ):  # of a state that has diverged no controller makes torques
+        try:
             check_answer(command, "joint_torques", len(true.joint_positions), "tick", t)
-        self.take_impact(t)
-        event, stance, steps = command.event, command.stance, self._steps
+        except ControllerError:
+            if np.isfinite(true.joint_positions).all():  # of a state that has diverged no controller makes torques
+                raise
+        if self._impact is not None:
+            self.take_impact(t)
+        if command.event is not None and self._complete(command.event, command.stance, t):
+            return None
+        self._airborne.watch(true.contact)
+        self._command, self._touching, self._rates = command, true.contact, true.joint_velocities
+        return Decision(command.joint_torques)
+
+    def _complete(self, event: PhaseEvent, stance: Stance, t: float) -> bool:
+        """Count what the walker has noticed; was that the last landing?"""
+        steps = self._steps
         if event is PhaseEvent.LANDING and self._airborne.lands(stance):
             self._meter.end_step()
             self._meter.begin_step(t)
             self._impact = (t, steps.count, stance)
             steps.land(t, stance)
             steps.announce()
-            if steps.complete:
-                return None
-        elif event in EVENTS:
+            return steps.complete
+        if event in EVENTS:
             steps.turn(t, EVENTS[event], stance)
-        self._airborne.watch(true.contact)
-        self._command, self._touching, self._rates = command, true.contact, true.joint_velocities
-        return Decision(command.joint_torques)
+        return False
 
     def sent(self, t: float, tau: FloatArray) -> None:
         """Measure and record what acts from now on."""

@@ -74,6 +74,7 @@ class MujocoRobot:
         self.data = self._mujoco.MjData(self.model)
         # views of MuJoCo's own arrays, which stay where they are: asking its data for them costs more than reading
         self._qpos, self._qvel, self._xpos = self.data.qpos, self.data.qvel, self.data.xpos
+        self._center_of_mass = self.data.subtree_com[self._bodies["pelvis"]]
         self._applied, self._acts = self.data.qfrc_applied, np.zeros(self.model.nv)
         self._turns = dict(zip(Stance, self._ankle_turns(), strict=True))
         self._touching: tuple[bool, bool] | None = None
@@ -160,7 +161,7 @@ class MujocoRobot:
         return -stance.sign * along_y  # h points from the stance foot towards the swing foot
 
     def _com(self) -> FloatArray:
-        return self.data.subtree_com[self._bodies["pelvis"]]
+        return self._center_of_mass
 
     # ------------------------------------------------------------------ motion
     def run(self, tau: FloatArray, steps: int, pushes: list[tuple[float, float]]) -> None:
@@ -168,9 +169,9 @@ class MujocoRobot:
         data, self._touching = self.data, None
         self._acts[self._v_at] = tau
         self._applied[:] = self._acts
-        pelvis = self._bodies["pelvis"]
         for force, height in pushes:
-            up = data.xmat[self._bodies["pelvis"]].reshape(3, 3) @ self._up_in_pelvis()
+            pelvis = self._bodies["pelvis"]
+            up = data.xmat[pelvis].reshape(3, 3) @ self._up_in_pelvis()
             point = data.xanchor[self._hips].mean(axis=0) + height * up
             self._mujoco.mj_applyFT(
                 self.model, data, np.array([0.0, force, 0.0]), np.zeros(3), point, pelvis, data.qfrc_applied

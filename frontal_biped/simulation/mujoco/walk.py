@@ -29,6 +29,9 @@ TIPPED = 0.5
 CLEAR = 5e-4
 """Clearance above old and new ground at which the floor under a swing foot changes its height [m]."""
 
+BOTH = tuple(Stance)
+"""The feet in the order of the contact flags."""
+
 DIVERGED = "MuJoCo's state is no longer finite"
 
 
@@ -109,7 +112,7 @@ class MujocoEngine(MujocoRobot):
             return DIVERGED
         if self.height < self._lowest:
             return EventKind.COLLAPSED
-        for side, touches in zip(Stance, self.contact, strict=True):
+        for side, touches in zip(BOTH, self.contact, strict=True):
             if touches and abs(self.foot_position(side)[1]) > TIPPED:
                 return EventKind.TIPPED_OUTWARDS if self.com_offset(side) < 0.0 else EventKind.EDGE_LANDING
         return None
