@@ -63,7 +63,8 @@ class StepMeter:
         """A step begins at time t [s]."""
         self.began = t
         self._foot: Sequence[float] | None = None
-        self._slip = self._rotation = self._double = self._work = self._effort = 0.0
+        self._slip = self._rotation = self._double = 0.0
+        self._driven: list[tuple[FloatArray, FloatArray]] = []
 
     def end_step(self) -> None:
         """The step is complete."""
@@ -71,19 +72,20 @@ class StepMeter:
         measured.slip.append(self._slip)
         measured.rotation.append(self._rotation)
         measured.double_support.append(self._double)
-        measured.work.append(self._work)
-        measured.effort.append(self._effort)
+        tau, rates = np.array(self._driven).swapaxes(0, 1)  # one look at a step: a tick has no time for it
+        measured.work.append(self._period * float(np.abs(tau * rates).sum()))
+        measured.effort.append(self._period * float((tau * tau).sum()))
 
     def drive(self, tau: FloatArray, rates: FloatArray) -> None:
         """Joint torques (n,) [N m] have acted for a period at rates (n,) [rad/s]."""
-        h = self._period
-        self._work += h * np.abs(tau).dot(np.abs(rates)).item()
-        self._effort += h * tau.dot(tau).item()
+        self._driven.append((tau, rates))
 
     def stands(self, t: float, touching: tuple[bool, bool]) -> bool:
         """Count double support; does the stance foot stand alone and settled at time t [s]?"""
-        self._double += self._period * all(touching)
-        return t - self.began >= SETTLED and not all(touching)
+        both = touching[0] and touching[1]
+        if both:
+            self._double += self._period
+        return not both and t - self.began >= SETTLED
 
     def foot(self, position: Sequence[float], rotation: float) -> None:
         """A stance foot that stands is at a position on the ground (k numbers) [m], turned from flat [rad]."""
@@ -113,6 +115,6 @@ class Airborne:
 
     def watch(self, touching: tuple[bool, bool]) -> None:
         """A period passes with the left and the right foot touching the ground or not."""
-        for side, touches in zip(Stance, touching, strict=True):
+        for side, touches in zip(self._time, touching, strict=True):
             if not touches:
                 self._time[side] += self._period

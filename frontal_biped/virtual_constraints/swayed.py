@@ -114,12 +114,14 @@ class SwayedPhase:
         """
         piece = int(self._knots.searchsorted(s))
         d, k = s - self._first.item(piece), scale
-        powers = [
-            [d * d * d, d * d, d, 1.0],
-            [3.0 * k * d * d, 2.0 * k * d, k, 0.0],
-            [6.0 * k * k * d, 2.0 * k * k, 0.0, 0.0],
-        ]
-        along: FloatArray = np.array(powers).dot(self._cubics[piece])
+        # fmt: off
+        powers = (
+            d * d * d, d * d, d, 1.0,
+            3.0 * k * d * d, 2.0 * k * d, k, 0.0,
+            6.0 * k * k * d, 2.0 * k * k, 0.0, 0.0,
+        )
+        # fmt: on
+        along: FloatArray = np.array(powers).reshape(3, 4).dot(self._cubics[piece])
         return along
 
     def begun_as_planned(self) -> "BegunPhase":
@@ -198,18 +200,16 @@ class BegunPhase:
         planned = self._planned.path(self._from + k * length * u, k)
         w = 1.0 - u
         # the one error fades out as the other fades in: a(u) and 1 - a(u); that of the slope by b(x)
-        fading = [[(1.0 + 2.0 * u) * w * w, 0.0], [-6.0 * u * w / length, 0.0], [(12.0 * u - 6.0) / length**2, 0.0]]
+        a, a_1, a_2 = (1.0 + 2.0 * u) * w * w, -6.0 * u * w / length, (12.0 * u - 6.0) / length**2
+        b = b_1 = b_2 = 0.0
         x = u / SLOPE_SHARE
         if x < 1.0:
             w, short = 1.0 - x, SLOPE_SHARE * length
-            fading[0][1], fading[1][1], fading[2][1] = (
-                short * x * w * w,
-                w * w - 2.0 * x * w,
-                (2.0 * x - 4.0 * w) / short,
-            )
-        h, h1, h2 = planned[:, BODY] + np.array(fading).dot(self._errors)
-        h += self._end_error
-        return SwayTargets(h, h1, h2, planned.item(3))
+            b, b_1, b_2 = short * x * w * w, w * w - 2.0 * x * w, (2.0 * x - 4.0 * w) / short
+        h = np.array((a, b, a_1, b_1, a_2, b_2)).reshape(3, 2).dot(self._errors)
+        h += planned[:, BODY]
+        h[0] += self._end_error
+        return SwayTargets(h[0], h[1], h[2], planned.item(3))
 
 
 def runs_one_way(biped: FrontalBiped, phases: Iterable[Phase]) -> bool:

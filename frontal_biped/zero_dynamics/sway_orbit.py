@@ -92,11 +92,14 @@ class SwayOrbit:
         first, last = grid.item(0), grid.item(-1)
         if s < first:
             return self._energy[phase].item(0) - self._turning * (first - s)
-        inside = float(np.interp(s, grid, self._energy[phase]))
-        if s <= last:
-            return inside
+        table = self._energy[phase]
+        if s <= last:  # between two points of the table, which are as far apart as any
+            place = (s - first) / (last - first) * (POINTS - 1)
+            before = min(int(place), POINTS - 2)
+            at = table.item(before)
+            return at + (place - before) * (table.item(before + 1) - at)
         p = self._first_fri
-        return inside + 0.5 * self.omega**2 * ((s - p) ** 2 - (last - p) ** 2)
+        return table.item(-1) + 0.5 * self.omega**2 * ((s - p) ** 2 - (last - p) ** 2)
 
     def error(self, phase: StepPhase, s: float, ds: float) -> float:
         """e = ds^2/2 - E(s) [m^2/s^2]."""

@@ -198,16 +198,17 @@ class MujocoRobot:
         foot_y, _ = self.foot_position(stance)
         force_y = force_z = moment = 0.0
         ground = self.ground(stance)
-        for i in range(data.ncon):
-            contact = data.contact[i]
-            if contact.geom[1] != sole:
+        contact = data.contact
+        frames, places = contact.frame.reshape(-1, 3, 3), contact.pos.tolist()
+        for i, (_, touching) in enumerate(contact.geom.tolist()):
+            if touching != sole:
                 continue
             self._mujoco.mj_contactForce(model, data, i, self._wrench)
-            force = contact.frame.reshape(3, 3).T @ self._wrench[:3]
-            y, z = contact.pos[1] - foot_y, contact.pos[2] - ground
-            force_y, force_z = force_y + force[1], force_z + force[2]
-            moment += y * force[2] - z * force[1]
-        return FootLoad(float(force_y), float(force_z), float(moment))
+            _, F_y, F_z = self._wrench[:3].dot(frames[i]).tolist()
+            y, z = places[i][1] - foot_y, places[i][2] - ground
+            force_y, force_z = force_y + F_y, force_z + F_z
+            moment += y * F_z - z * F_y
+        return FootLoad(force_y, force_z, moment)
 
     def reaction(self, stance: Stance) -> Reaction:
         """Ground reaction on a stance foot."""
