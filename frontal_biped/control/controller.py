@@ -29,6 +29,9 @@ Constraints = TypeVar("Constraints", bound=VirtualConstraints)
 _log = logging.getLogger(__name__)
 
 
+SOLVED = (Source.CLOSED_FORM, Source.PROGRAM)
+"""Sources of torques that keep every limit."""
+
 SHIFT_ROOM = 0.7
 """Share of the sole, from the ankle outwards, inside which a shifted FRI target stays [-]: a robot that is a fifth
 lighter than its model puts the FRI a fifth further out."""
@@ -60,7 +63,7 @@ class Command(NamedTuple):
     @property
     def solved(self) -> bool:
         """Are these the torques of the program as posed, every limit kept?"""
-        return self.source is Source.CLOSED_FORM or self.source is Source.PROGRAM
+        return self.source in SOLVED
 
 
 class QpController:

@@ -124,22 +124,21 @@ class StanceMotion:
         with np.errstate(divide="ignore", invalid="ignore"):
             return Reactions(forces[:, :2], forces[:, 2] / forces[:, 1])
 
-    def _acceleration(self, q: FloatArray, dq: FloatArray) -> FloatArray:
-        return self.biped.forward_dynamics(q, dq, self.felt(q) if self.pushes else self.u)
-
     def advance(self, state: State, h: float) -> State:
         """State after h [s], by a Runge-Kutta step of order 4."""
         step, known, stage = RungeKutta.of(h), self._known, self._stage
-        q, dq = stage
+        accelerations, felt = self.biped.forward_dynamics, self.felt
+        q, dq = stage[0], stage[1]
         known[0], known[1] = state
-        known[2] = self._acceleration(*state)
+        known[2] = accelerations(*state, felt(state.q))
         step.second.dot(self._first, stage)
-        known[3] = self._acceleration(q, dq)
+        known[3] = accelerations(q, dq, felt(q))
         step.third.dot(self._two, stage)
-        known[4] = self._acceleration(q, dq)
+        known[4] = accelerations(q, dq, felt(q))
         step.fourth.dot(self._three, stage)
-        known[5] = self._acceleration(q, dq)
-        return State(*step.end.dot(known))
+        known[5] = accelerations(q, dq, felt(q))
+        end = step.end.dot(known)
+        return State(end[0], end[1])
 
     def first_crossing(
         self,

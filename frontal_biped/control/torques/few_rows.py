@@ -249,7 +249,7 @@ class FewRows:
         found = self._function(
             dynamics.M,
             dynamics.bias,
-            targets.line,
+            targets.line(),
             targets.of_outputs(),
             targets.p_fri,
             rows.torque_unit,

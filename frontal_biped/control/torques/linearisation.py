@@ -19,7 +19,6 @@ the centre of mass and never zero:
 and an output's residual moves the ankle by -J_b / J_1 with it.
 """
 
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -45,19 +44,7 @@ F_H, F_V, N_0 = range(BASE)
 """Places in the generalised forces: the ground's on the stance foot, in the order of its freedoms, then the torques."""
 
 
-class _Targets(NamedTuple):
-    """Fields of `Targets`."""
-
-    h_d1: FloatArray
-    h_d2_dbeta2: FloatArray
-    ddy: FloatArray
-    p_fri: float
-    decrease: Decrease | None = None
-    relaxation: float = 0.0
-    sway: Sway | None = None
-
-
-class Targets(_Targets):
+class Targets(NamedTuple):
     """What the controller asks of one instant.
 
     Attributes:
@@ -70,7 +57,14 @@ class Targets(_Targets):
         sway: what the outputs are functions of; None: of beta.
     """
 
-    @cached_property  # a walker asks at the next tick again
+    h_d1: FloatArray
+    h_d2_dbeta2: FloatArray
+    ddy: FloatArray
+    p_fri: float
+    decrease: Decrease | None = None
+    relaxation: float = 0.0
+    sway: Sway | None = None
+
     def line(self) -> FloatArray:
         """(2, 4) accelerations a + c x that give the outputs theirs: a [rad/s^2], and c, by the phase's variable x."""
         a, c = self.ddy + self.h_d2_dbeta2, self.h_d1
@@ -118,7 +112,7 @@ class StanceDynamics(NamedTuple):
 
     def linearising(self, targets: Targets) -> Motion | None:
         """The motion that meets all targets; None where I_P vanishes."""
-        p_fri, line = targets.p_fri, targets.line
+        p_fri, line = targets.p_fri, targets.line()
         of_line = line.dot(self.M[BASE:])  # M is symmetric, and the foot at rest
         forces, along = of_line[0], of_line[1]
         forces += self.bias
@@ -138,7 +132,7 @@ class StanceDynamics(NamedTuple):
         """
         m = self.M[F_V, BASE:] * -targets.p_fri
         m += self.M[N_0, BASE:]
-        c, of_outputs = targets.line[1], a_0 * targets.of_outputs()
+        c, of_outputs = targets.line()[1], a_0 * targets.of_outputs()
         k = m.dot(of_outputs)
         k *= -1.0
         k[FRI] = T_0

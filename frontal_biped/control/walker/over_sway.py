@@ -58,7 +58,7 @@ class OverSway:
         error = 0.0
         if self._last is not None:
             # what the ankle's moment does not explain, along the virtual constraints: I_P x'' = moment
-            along = dynamics.M[:, BASE:].dot(self._last.line[1])
+            along = dynamics.M[:, BASE:].dot(self._last.line()[1])
             I_P = along.item(N_0) - self._last.p_fri * along.item(F_V)
             error = dynamics.M[BASE, BASE:].dot(unexplained).item() / I_P
         wanted = self.law.at(phase, state, sway, event, error)

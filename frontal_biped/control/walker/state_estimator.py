@@ -131,8 +131,8 @@ class StateEstimator:
         known = self._known
         known[:3] = estimate
         known[3] = pin.aba(self._model, self._data, known[0], known[1], u)
-        q, dq = self._middle.dot(known[:4])
-        known[4] = pin.aba(self._model, self._data, q, dq, u)
+        middle = self._middle.dot(known[:4])
+        known[4] = pin.aba(self._model, self._data, middle[0], middle[1], u)
         return _sensible(self._end.dot(known))
 
 

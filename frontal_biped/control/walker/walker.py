@@ -10,6 +10,7 @@ The virtual constraints are followed over the sway (`OverSway`), or over beta wi
 
 from collections import deque
 from dataclasses import replace
+from itertools import islice
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.controller import QpController
@@ -38,6 +39,9 @@ DEFAULT_ENERGY = EnergySettings()
 
 PHASE_VARIABLES = ("sway", "ankle")
 """What virtual constraints may be followed over: the centre of mass over the stance ankle, or the ankle's angle."""
+
+SWING = {Stance.LEFT: 1, Stance.RIGHT: 0}
+"""Where in the contact flags, left and right, that of the swing foot is."""
 
 SETTLE = 0.03
 """Time after a landing when the virtual constraints begin anew [s]."""
@@ -131,7 +135,7 @@ class Walker:
         if self._sent:
             estimator.predict(self._in_stance(self._sent[0]))
         event: PhaseEvent | None = None
-        swing_touches = reading.contact[1 if self.stance is Stance.LEFT else 0]
+        swing_touches = reading.contact[SWING[self.stance]]
         q, dq = measured_state(self.biped.stance_map, reading, self.stance)
         clearance = self.biped.swing_clearance(q)
         if self.phases.landing(swing_touches, clearance):
@@ -143,7 +147,7 @@ class Walker:
             q, dq = measured_state(self.biped.stance_map, reading, self.stance)
         estimator.correct(q, dq)
 
-        q, dq = estimator.ahead([self._in_stance(tau) for tau in list(self._sent)[1:]])
+        q, dq = estimator.ahead(self._in_stance(tau) for tau in islice(self._sent, 1, None))
         state = State(q, dq)
         if event is None:
             event = self.phases.turn(self._law.outwards(state))

@@ -103,7 +103,7 @@ class MujocoEngine(MujocoRobot):
         for side, height in list(self._waiting.items()) if self._waiting else ():
             if self.clearance(side) > max(self.ground(side), height) + CLEAR:
                 self.set_ground(side, self._waiting.pop(side))
-        self.run(tau, self._substeps, pushes.at(t))
+        self.run(tau, self._substeps, pushes.at(t) if pushes.any else [])
         return Move(end, fell=self._fate())
 
     def _fate(self) -> EventKind | str | None:
