@@ -13,11 +13,14 @@ from frontal_biped.virtual_constraints.phase import StepPhase
 
 _NUMBER, _MISSING = np.dtype(float), object()
 
-_READ: Mapping[str, Mapping[str, Any]] = {
-    "tick": {"phase": StepPhase, "stance": Stance, "event": (PhaseEvent, type(None)), "q": 4, "y": 3},
-    "command": {"y": 3},
+_NUMBERS: Mapping[str, Mapping[str, int]] = {"tick": {"q": 4, "y": 3}, "command": {"y": 3}}
+"""What a simulator reads of an answer beside the torques: how many numbers an attribute holds."""
+
+_KINDS: Mapping[str, Mapping[str, Any]] = {
+    "tick": {"phase": StepPhase, "stance": Stance, "event": (PhaseEvent, type(None))},
+    "command": {},
 }
-"""What a simulator reads of an answer beside the torques: the class of an attribute, or how many numbers it holds."""
+"""And of which class others are."""
 
 
 def check_answer(answer: object, torques: str, count: int, asked: str, t: float, also: Iterable[str] = ()) -> None:
@@ -39,20 +42,24 @@ def check_answer(answer: object, torques: str, count: int, asked: str, t: float,
             f"the controller's {asked} at t = {t:.4f} s returned {type(answer).__name__} {told}; return an object whose"
             f" {torques} are {count} finite numbers (N m)"
         )
-    for name, wanted in _READ[asked].items():
-        value = getattr(answer, name, _MISSING)
-        if not (_numbers(value, wanted) is not None if isinstance(wanted, int) else isinstance(value, wanted)):
-            told = f"with {name} = {_shown(value)}" if hasattr(answer, name) else f"without {name}"
-            raise ControllerError(
-                f"the controller's {asked} at t = {t:.4f} s returned {type(answer).__name__} {told}; give it"
-                f" {_words(wanted)}"
-            )
+    for name, kind in _KINDS[asked].items():
+        if not isinstance(getattr(answer, name, _MISSING), kind):
+            raise _refusal(answer, asked, t, name, _words(kind))
+    for name, size in _NUMBERS[asked].items():
+        if _numbers(getattr(answer, name, _MISSING), size) is None:
+            raise _refusal(answer, asked, t, name, f"{size} numbers")
     for name in ("p_fri_target", *also):
         if not hasattr(answer, name):
             raise ControllerError(
                 f"the controller's {asked} at t = {t:.4f} s returned {type(answer).__name__} without {name};"
                 " give it one"
             )
+
+
+def _refusal(answer: object, asked: str, t: float, name: str, wanted: str) -> ControllerError:
+    told = f"with {name} = {_shown(getattr(answer, name))}" if hasattr(answer, name) else f"without {name}"
+    returned = f"the controller's {asked} at t = {t:.4f} s returned {type(answer).__name__} {told}"
+    return ControllerError(f"{returned}; give it {wanted}")
 
 
 def _numbers(values: object, count: int) -> np.ndarray[Any, Any] | None:
@@ -79,7 +86,5 @@ def _shown(values: object) -> str:
 
 
 def _words(wanted: Any) -> str:
-    if isinstance(wanted, int):
-        return f"{wanted} numbers"
     kinds = wanted if isinstance(wanted, tuple) else (wanted,)
     return " or ".join("None" if kind is type(None) else f"a member of {kind.__name__}" for kind in kinds)

@@ -78,7 +78,7 @@ class PhaseMachine:
 
         Args:
             touches: its contact flag.
-            clearance: height of the lowest point of its sole, by the joints [m].
+            clearance: height of the lowest point of its sole, by the joints [m]; matters only where it touches.
         """
         settings, h = self.settings, self.period
         # leaky, so that a flag that drops out now and then still counts

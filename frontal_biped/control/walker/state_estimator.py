@@ -53,10 +53,13 @@ class StateEstimator:
         torque = 0.3 * biped.weight * biped.sole[1]
         turned = torque * (period + delay) / float(biped.D(np.full(4, UPRIGHT))[3, 3])
         foot = replace(chosen, impact_velocity=max(chosen.impact_velocity, turned), blind=0.0)
-        self._gains = {
-            what: np.stack([gain_table(s, period, what == "velocities") for s in (chosen, chosen, chosen, foot)], -1)
-            for what in ("positions", "velocities")
-        }
+        alone, both = (
+            np.stack([gain_table(one, period, rates) for one in (chosen, chosen, chosen, foot)], -1)
+            for rates in (False, True)
+        )
+        # (TABULATED, 3, 4) of readings of positions alone, and of positions and velocities
+        self._positions_alone = alone[:, :, 0].copy()
+        self._positions, self._velocities = both[:, :, 0].copy(), both[:, :, 1].copy()
         half = 0.5 * period
         # of the rows q, dq, the error, and the model's accelerations at the beginning and in the middle
         self._middle = np.array([[1.0, half, 0.0, 0.0], [0.0, 1.0, half, half]])
@@ -101,11 +104,10 @@ class StateEstimator:
         at = min(self._readings, TABULATED - 1)
         self._readings += 1
         if dq is None:
-            steps = self._gains["positions"][at, :, 0] * (q - self.q)
+            steps = self._positions_alone[at] * (q - self.q)
         else:
-            gains = self._gains["velocities"][at]
-            steps = gains[:, 0] * (q - self.q)
-            steps += gains[:, 1] * (dq - self.dq)
+            steps = self._positions[at] * (q - self.q)
+            steps += self._velocities[at] * (dq - self.dq)
         steps += self._estimate
         self._estimate = _sensible(steps)
 

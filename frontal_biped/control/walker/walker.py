@@ -11,6 +11,7 @@ The virtual constraints are followed over the sway (`OverSway`), or over beta wi
 from collections import deque
 from dataclasses import replace
 from itertools import islice
+from math import inf
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.controller import QpController
@@ -137,7 +138,7 @@ class Walker:
         event: PhaseEvent | None = None
         swing_touches = reading.contact[SWING[self.stance]]
         q, dq = measured_state(self.biped.stance_map, reading, self.stance)
-        clearance = self.biped.swing_clearance(q)
+        clearance = self.biped.swing_clearance(q) if swing_touches else inf
         if self.phases.landing(swing_touches, clearance):
             event = PhaseEvent.LANDING
             self.landings += 1
