@@ -150,7 +150,7 @@ def _collocation(
 
 
 def _first_event(stretch: Stretch, guards: Guards, before: tuple[float, ...]) -> tuple[Ended | None, tuple[float, ...]]:
-    """The first guard crossed in its direction on a stretch, if any; and the guards' values at its end."""
+    """The first event on a stretch, if any; and the guards' values at its end."""
     left = stretch.start
     for i in range(LOOKS, len(stretch.q), LOOKS):
         q, dq, right = stretch.q[i], stretch.dq[i], stretch.times.item(i)
@@ -158,7 +158,7 @@ def _first_event(stretch: Stretch, guards: Guards, before: tuple[float, ...]) ->
         crossed = [
             (_located(stretch, guard, left, right), guard.kind)
             for guard, a, b in zip(guards, before, values, strict=True)
-            if a * guard.direction <= 0.0 <= b * guard.direction
+            if a >= 0.0 >= b
         ]
         if crossed:
             t, kind = min(crossed, key=lambda item: item[0])
@@ -246,5 +246,5 @@ def _as_event(guard: Guard) -> Callable[[float, FloatArray], float]:
         return guard.function(*_halves(x))
 
     event.terminal = True  # type: ignore[attr-defined]
-    event.direction = guard.direction  # type: ignore[attr-defined]
+    event.direction = -1  # type: ignore[attr-defined]
     return event

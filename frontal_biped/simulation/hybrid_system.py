@@ -44,17 +44,15 @@ class EventKind(Enum):
 
 
 class Guard(NamedTuple):
-    """A function of the state whose zero crossing is an event.
+    """A function of the state that is positive until an event: its downward crossing of zero.
 
     Attributes:
         kind: of the event.
         function: q (4,), dq (4,) to a scalar.
-        direction: -1 if only downward crossings count, +1 if only upward ones.
     """
 
     kind: EventKind
     function: Callable[[FloatArray, FloatArray], float]
-    direction: int
 
 
 @dataclass(frozen=True)
@@ -62,17 +60,17 @@ class Guards:
     """Guards of a phase.
 
     Attributes:
-        events: kind and direction of each.
+        kinds: of their events.
         values: of all of them at q (4,), dq (4,).
     """
 
-    events: tuple[tuple[EventKind, int], ...]
+    kinds: tuple[EventKind, ...]
     values: Callable[[FloatArray, FloatArray], tuple[float, ...]]
 
     def __iter__(self) -> Iterator[Guard]:
         """One after another."""
-        for place, (kind, direction) in enumerate(self.events):
-            yield Guard(kind, self._function(place), direction)
+        for place, kind in enumerate(self.kinds):
+            yield Guard(kind, self._function(place))
 
     def _function(self, place: int) -> Callable[[FloatArray, FloatArray], float]:
         return lambda q, dq: self.values(q, dq)[place]
@@ -105,12 +103,12 @@ def walking_guards(biped: FrontalBiped, leaving: float = 0.0, landing: float = 0
 
     def falling(q: FloatArray, dq: FloatArray) -> tuple[float, ...]:
         com_h, com_v, inner, outer_end = biped.posture(q)
-        return min(inner, outer_end) - landing, dq.item(0), com_h - outer, com_v - lowest
+        return min(inner, outer_end) - landing, -dq.item(0), com_h - outer, com_v - lowest
 
-    fallen = ((EventKind.TIPPED_OUTWARDS, -1), (EventKind.COLLAPSED, -1))
+    fallen = (EventKind.TIPPED_OUTWARDS, EventKind.COLLAPSED)
     return WalkingGuards(
-        Guards(((EventKind.REVERSAL, -1), (EventKind.EARLY_LANDING, -1), *fallen), rising),
-        Guards(((EventKind.IMPACT, -1), (EventKind.TURNED_OUTWARDS, +1), *fallen), falling),
+        Guards((EventKind.REVERSAL, EventKind.EARLY_LANDING, *fallen), rising),
+        Guards((EventKind.IMPACT, EventKind.TURNED_OUTWARDS, *fallen), falling),
     )
 
 

@@ -126,7 +126,9 @@ class RigidEngine:
             h = min(end - t, MAX_STEP)
             after = motion.advance(self.state, h)
             values = self._guards.values(*after)
-            hit = motion.first_crossing(self.state, h, self._guards, self._values, values)
+            hit = None
+            if min(values) <= 0.0:
+                hit = motion.first_crossing(self.state, h, self._guards, self._values, values)
             if hit is not None:
                 h, kind = hit
                 t += h

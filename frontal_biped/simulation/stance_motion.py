@@ -148,10 +148,10 @@ class StanceMotion:
         before: tuple[float, ...],
         after: tuple[float, ...],
     ) -> tuple[float, EventKind] | None:
-        """Time into the step and kind of the earliest guard crossed in its direction."""
+        """Time into the step and kind of the earliest event in it."""
         found = []
-        for place, (kind, direction) in enumerate(guards.events):
-            if before[place] * direction < 0.0 <= after[place] * direction:
+        for place, kind in enumerate(guards.kinds):
+            if before[place] > 0.0 >= after[place]:
 
                 def value(tau: float, place: int = place) -> float:
                     return guards.values(*self.advance(state, tau))[place]

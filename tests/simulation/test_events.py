@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from frontal_biped.model import State
+from frontal_biped.model import Stance, State
 from frontal_biped.simulation import SimulationSettings, continuous, simulate_walk
 from frontal_biped.simulation.hybrid_system import FLAT_LANDING, GRAZE, LEAVING, EventKind, land, walking_guards
 from frontal_biped.simulation.loop import TOO_STIFF
+from frontal_biped.simulation.stance_motion import StanceMotion
 from frontal_biped.virtual_constraints import double_support_pose
 
 EVENT_TIME = 1e-8  # [s] Runge-Kutta at 1 ms against DOP853 at rtol 1e-9
@@ -92,10 +93,19 @@ def test_a_sole_that_has_not_left_the_ground_may_dip_and_one_that_has_may_not(bi
 def test_impact_guard_counts_only_downward_crossings(biped):
     pose = double_support_pose(biped, -1.66, 0.3)
     guard = next(g for g in walking_guards(biped).falling if g.kind is EventKind.IMPACT)
-    assert guard.direction == -1
+    lowered = pose - np.array([0.02, 0.0, 0.0, 0.0])
     assert guard.function(pose, np.zeros(4)) == pytest.approx(0.0, abs=1e-12)
     raised = pose + np.array([0.02, 0.0, 0.0, 0.0])
-    assert guard.function(raised, np.zeros(4)) > 0.0
+    assert guard.function(raised, np.zeros(4)) > 0.0 > guard.function(lowered, np.zeros(4))
+    motion, guards = StanceMotion(biped, Stance.LEFT), walking_guards(biped).falling
+    for rate, found in ((-1.0, EventKind.IMPACT), (1.0, None)):  # through the pose, downwards and upwards
+        rates = np.array([rate, 0.0, 0.0, 0.0])
+        begun = State(pose - 1e-3 * rates, rates)
+        motion.u = biped.bias(*begun)  # on at this speed
+        ends = [guards.values(*at) for at in (begun, motion.advance(begun, 2e-3))]
+        assert ends[0][0] * ends[1][0] < 0.0
+        crossing = motion.first_crossing(begun, 2e-3, guards, *ends)
+        assert (crossing and crossing[1]) is found
 
 
 def test_a_foot_that_lands_at_an_angle(biped):
