@@ -6,8 +6,8 @@ describes what is walked.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Protocol
+from functools import cached_property, lru_cache
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
@@ -29,6 +29,8 @@ from frontal_biped.virtual_constraints.piecewise import ContinuedPhase
 from frontal_biped.zero_dynamics.energy import PhaseEnergy
 from frontal_biped.zero_dynamics.half_steps import ConstrainedState, rising_energy, stretch_to_reversal
 from frontal_biped.zero_dynamics.restricted import restrict
+
+T = TypeVar("T")
 
 SLOWEST = 0.02
 """Share of the planned post-impact speed below which dq_b/dbeta is taken from the plan: it divides by the speed."""
@@ -120,30 +122,7 @@ class ReanchoringTransitions:
 
         Of those that keep I_P > 0 up to the barrier; where none does, the one that takes the most energy.
         """
-        planned = self.gait.rising
-        at = planned.motion(np.array([planned.beta_end]))
-        # the FRI target stops half-way to the end of the sole it moves towards
-        slope, outer, inner = float(at.dp_fri[0]), *self.biped.sole
-        room = 0.5 * max((inner if slope > 0.0 else -outer) - np.sign(slope) * float(at.p_fri[0]), 1e-3)
-        best, rank = continued(planned, TAPERS[-1] * planned.range), (False, -np.inf)
-        for share in TAPERS:
-            for curvature in CURVATURE_TAPERS:
-                if curvature > share:
-                    continue
-                taper = share * planned.range
-                fri = min(taper, room / max(abs(slope), 1e-9))
-                phase = continued(planned, taper, curvature * planned.range, fri)
-                try:
-                    energy = rising_energy(self.biped, phase)
-                except ReversalError:
-                    continue
-                value = energy.highest
-                if energy.reaches_barrier:
-                    required = energy.at(planned.beta_end)[1]
-                    value = -self._limits.load(energy, 0.5 * (required + energy.highest))
-                if (energy.reaches_barrier, value) > rank:
-                    best, rank = phase, (energy.reaches_barrier, value)
-        return best
+        return _continuation(_Itself(self.biped), _Itself(self.gait))
 
     @cached_property
     def _limits(self) -> ContactMargins:
@@ -245,3 +224,46 @@ class ReanchoringTransitions:
         """Smallest I_P of a falling phase [kg m^2]."""
         beta = start + (phase.beta_end - start) * np.linspace(0.0, 1.0, 25)
         return float(np.min(restrict(self.biped, phase, beta).I_P))
+
+
+@dataclass(frozen=True, eq=False)
+class _Itself(Generic[T]):
+    """A thing that is compared by what it is, not by what it holds."""
+
+    thing: T
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Itself) and other.thing is self.thing
+
+    def __hash__(self) -> int:
+        return id(self.thing)
+
+
+@lru_cache(maxsize=8)  # walks of one gait come one after another, and each has a stabiliser of its own
+def _continuation(robot: _Itself[FrontalBiped], step: _Itself[PlannedStep]) -> ContinuedPhase:
+    """See `ReanchoringTransitions.planned_rising`."""
+    biped, planned = robot.thing, step.thing.rising
+    limits = ContactMargins(biped, step.thing)
+    at = planned.motion(np.array([planned.beta_end]))
+    # the FRI target stops half-way to the end of the sole it moves towards
+    slope, outer, inner = float(at.dp_fri[0]), *biped.sole
+    room = 0.5 * max((inner if slope > 0.0 else -outer) - np.sign(slope) * float(at.p_fri[0]), 1e-3)
+    best, rank = continued(planned, TAPERS[-1] * planned.range), (False, -np.inf)
+    for share in TAPERS:
+        for curvature in CURVATURE_TAPERS:
+            if curvature > share:
+                continue
+            taper = share * planned.range
+            fri = min(taper, room / max(abs(slope), 1e-9))
+            phase = continued(planned, taper, curvature * planned.range, fri)
+            try:
+                energy = rising_energy(biped, phase)
+            except ReversalError:
+                continue
+            value = energy.highest
+            if energy.reaches_barrier:
+                required = energy.at(planned.beta_end)[1]
+                value = -limits.load(energy, 0.5 * (required + energy.highest))
+            if (energy.reaches_barrier, value) > rank:
+                best, rank = phase, (energy.reaches_barrier, value)
+    return best
