@@ -43,11 +43,7 @@ def main() -> None:
     least: list[dict[str, float]] = [{} for _ in folders]
     with tempfile.TemporaryDirectory() as kept:
         gait = Path(kept) / "gait.json"
-        made = "import sys, frontal_biped as fb; from frontal_biped.design import optimise_gait;"
-        made += (
-            "from frontal_biped.gait.file import save_gait; save_gait(optimise_gait(fb.load_robot()).gait, sys.argv[1])"
-        )
-        subprocess.run([sys.executable, "-c", made, gait], check=True, cwd=HERE, env=of(HERE))
+        subprocess.run([sys.executable, "-c", DESIGN, gait], check=True, cwd=HERE, env=of(HERE))
         command = [sys.executable, __file__, "--measure", gait, "--steps", str(arguments.steps)]
         for _ in range(arguments.repeats):
             for folder, best in zip(folders, least, strict=True):
