@@ -138,7 +138,10 @@ class FrontalLaw:
         damping: float = 1.0,
     ) -> None:
         self.settings, self._period = settings, period
-        self._kp, self._kd = frequency**2, 2.0 * damping * frequency
+        self._pull, self._drag = (
+            np.full(3, -(frequency**2)),
+            np.full(3, -2.0 * damping * frequency),
+        )  # as `QpController`
         decay = np.inf if settings.energy is None else settings.energy.length
         steps = zip(steps_in_turn(gait), orbits_in_turn(biped, gait), strict=True)
         self._steps = [_SwayedStep.of(biped, step, orbit, decay) for step, orbit in steps]
@@ -222,8 +225,8 @@ class FrontalLaw:
             shift += self.offset[self._stance]
         asked = self._begun.at(sway.value)
         y, dy = pose - asked.h_d, rates - asked.h_d1 * sway.rate
-        ddy = y * -self._kp
-        ddy -= dy * self._kd
+        ddy = self._pull * y
+        ddy += self._drag * dy
         outer, inner = self._sole
         p_fri = min(max(asked.p_fri + shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
         return FrontalTargets(Targets(asked.h_d1, asked.h_d2 * sway.rate**2, ddy, p_fri, sway=sway), y, dy)

@@ -21,6 +21,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.model.chain import UPRIGHT
 
 _CHAIN_SIGN = np.array([1.0, 1.0, -1.0, -1.0])
+_UPRIGHT = np.full(4, UPRIGHT)
 
 
 class Stance(Enum):
@@ -76,11 +77,11 @@ class StanceMap:
 
     def positions_to_stance(self, q_urdf: FloatArray, stance: Stance) -> FloatArray:
         """Stance coordinates q (..., 4) [rad] of URDF joint angles (..., 4), in the order of `joint_names`."""
-        return UPRIGHT + self._to_chain(q_urdf - self.reference, stance)
+        return _UPRIGHT + self._to_chain(q_urdf - self.reference, stance)
 
     def positions_to_urdf(self, q: FloatArray, stance: Stance) -> FloatArray:
         """URDF joint angles (..., 4) [rad] of stance coordinates q (..., 4)."""
-        return self._to_urdf(q - UPRIGHT, stance) + self.reference
+        return self._to_urdf(q - _UPRIGHT, stance) + self.reference
 
     def velocities_to_stance(self, dq_urdf: FloatArray, stance: Stance) -> FloatArray:
         """Stance velocities dq (..., 4) [rad/s] of URDF joint velocities (..., 4)."""
