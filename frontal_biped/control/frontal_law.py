@@ -138,10 +138,8 @@ class FrontalLaw:
         damping: float = 1.0,
     ) -> None:
         self.settings, self._period = settings, period
-        self._pull, self._drag = (
-            np.full(3, -(frequency**2)),
-            np.full(3, -2.0 * damping * frequency),
-        )  # as `QpController`
+        self._pull = np.full(3, -(frequency**2))  # arrays, as in `QpController`
+        self._drag = np.full(3, -2.0 * damping * frequency)
         decay = np.inf if settings.energy is None else settings.energy.length
         steps = zip(steps_in_turn(gait), orbits_in_turn(biped, gait), strict=True)
         self._steps = [_SwayedStep.of(biped, step, orbit, decay) for step, orbit in steps]
