@@ -17,16 +17,17 @@ side: a design takes 2.1 to 2.3 and 2.4 times less, an evaluation with all deriv
 
 **Ticks**, `benchmark_control_tick.py`: one tick at 1 kHz on the Table I robot. Measured beside TSID 1.10 before the
 last changes: walking 0.76 of its tick, 10 mrad off with 92 % of ticks at a limit 1.8. Since then, in microseconds,
-least of bursts on 20 states, the trees before and after in turn on a busy machine:
+least of bursts on 20 states, the trees before and after in turn on a busy machine, two runs:
 
                                                 before      now     solver "compiled" (Numba)
-    walking, no limit active                     35.5       35.9      31
-    10 mrad off, 92 % of ticks with a limit       131        119      32
-    with the control Lyapunov function            225        198       -
+    walking, no limit active                      26        20, 21    19.5
+    10 mrad off, nearly all ticks at a limit      75, 77     63, 64   31, 33
+    with the control Lyapunov function            32, 34     27       -
 
-so that only the compiled solver would be below TSID where limits bind (0.5 of its tick); TSID was not built again. It
-solves another problem (free-floating, 22 variables) in C++. Of 4000 states up to a radian off the gait, the slowest
-tick took 14 times a walking one where it took 19.
+so that walking would be 0.6 of TSID's tick, and only the compiled solver below it where limits bind; TSID was not built
+again. It solves another problem (free-floating, 22 variables) in C++. Of 4000 states up to a radian off the gait, the
+slowest tick (the least of 30, of each of the 40 slowest) took 9.4 and 9.7 walking ticks in two runs, 14 and 17 in two
+others on the same machine, busier.
 
 **Looking ahead** (stabiliser ``adaptive``), `benchmark_look_ahead.py`, ms on a busy machine, 1000 speeds over the
 basin:
@@ -41,10 +42,10 @@ Every answer is the computed one. Landings off the planned pose are answered as 
 
 **Simulated time**, ms of CPU a simulated second, Table I robot, 8 steps, before and now side by side, two runs:
 
-    continuous, rtol 1e-8, phases fixed         218, 269         74, 78
-    1 kHz, the controller told the state        241, 229         131, 183
-    1 kHz, the walker                           559, 511         351, 389
-    the walker in MuJoCo                        710, 671         387, 437
+    continuous, rtol 1e-8, phases fixed         118,  89         33,  33
+    1 kHz, the controller told the state        167, 128         66,  67
+    1 kHz, the walker                           386, 284        159, 148
+    the walker in MuJoCo                        338, 301        193, 157
 
 **What a user waits for**, `benchmark_waiting.py`: a GIF of 16 s of continuous walking takes an eighth of the processor
 time it took (fewer and smaller pictures are part of that; the steps of that walk take a whole number of pictures);
