@@ -93,9 +93,9 @@ class ContinuedPhase(_Wrapper):
         x = beta - self.beta_end
         slow, fast, decay = np.exp(-x / l), np.exp(-x / m), np.exp(-x / self.fri_taper)
         return (
-            q_b + slope * (l * (1.0 - slow)) + growth * (m * (m - (m + x) * fast)),
-            slope * slow + growth * (x * fast),
-            growth * ((1.0 - x / m) * fast) - slope * (slow / l),
+            q_b + slope * l * (1.0 - slow) + growth * m * (m - (m + x) * fast),
+            slope * slow + growth * x * fast,
+            growth * (1.0 - x / m) * fast - slope / l * slow,
             p_fri + dp_fri * self.fri_taper * (1.0 - decay),
             dp_fri * decay,
         )
