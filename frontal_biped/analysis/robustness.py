@@ -177,7 +177,7 @@ def robustness_card(
         instants: name and place in the step of each push; none: no pushes.
         push_resolution: of the largest pushes [N s].
         samples: number of speeds at which each map is sampled.
-        executor: runs the parts; default: this process, one after the other.
+        executor: runs the parts beside this process; default: this process alone, one after the other.
         on_progress: called with what is being done.
 
     Raises:
@@ -219,20 +219,25 @@ def robustness_card(
 def _compute(
     parts: dict[str, tuple[Callable[..., Any], tuple[Any, ...]]], executor: Executor | None, say: Callable[[str], None]
 ) -> dict[str, Any]:
-    """The result of each part, in the order of the parts."""
-    if executor is None:
-        results = {}
-        for k, (name, (function, arguments)) in enumerate(parts.items()):
-            say(f"{k}/{len(parts)} done; {name}")
-            results[name] = function(*arguments)
-        return results
-    # the closed forms take longest and come first, so that no process is left with one of them at the end
-    futures: dict[Future[Any], str] = {executor.submit(f, *a): name for name, (f, a) in parts.items()}
-    say(f"0/{len(parts)} parts of the robustness card done")
-    for k, future in enumerate(as_completed(futures)):
-        future.result()  # an error is raised at once
-        say(f"{k + 1}/{len(parts)} done; last {futures[future]}")
-    return {name: future.result() for future, name in futures.items()}
+    """The result of each part, in the order of the parts; an executor begins with the first, this process at the end.
+
+    The closed forms take longest and come first, so that no process is left with one of them at the end.
+    """
+    futures: dict[Future[Any], str] = {}
+    if executor is not None:
+        futures = {executor.submit(function, *arguments): name for name, (function, arguments) in parts.items()}
+    waiting = {name: future for future, name in futures.items()}
+    results: dict[str, Any] = {}
+    for name in parts if executor is None else reversed(parts):
+        if name in waiting and not waiting[name].cancel():
+            continue
+        function, arguments = parts[name]
+        say(f"{len(results) + sum(future.done() for future in futures)}/{len(parts)} done; {name}")
+        results[name] = function(*arguments)
+    for future in as_completed(future for future, name in futures.items() if name not in results):
+        results[futures[future]] = future.result()
+        say(f"{len(results)}/{len(parts)} done; last {futures[future]}")
+    return {name: results[name] for name in parts}
 
 
 def summarise_map(biped: FrontalBiped, gait: Gait, stabiliser: str, samples: int = SAMPLES) -> MapSummary:
