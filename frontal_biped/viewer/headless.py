@@ -26,6 +26,8 @@ CHROMIUM_OPTIONS = (
     "--use-gl=angle",
     "--use-angle=swiftshader",  # draws without a graphics card
     "--enable-unsafe-swiftshader",
+    "--disable-gpu-compositing",  # the page around the scene is put together faster without that renderer
+    "--disable-lcd-text",  # which would let text have coloured rims
     "--disable-background-networking",
     "--disable-quic",
     "--no-first-run",
