@@ -42,8 +42,8 @@ AT_THE_GAIT = 2
 RECOVERED = 0.05
 """Relative error of the post-impact speed that counts as recovered; 1 kHz control alone costs 0.003."""
 
-FIRST_PUSH, LARGEST_PUSH = 8.0, 64.0
-"""First and largest push tried [N s]."""
+PUSHES = (64.0, 32.0, 16.0, 8.0)
+"""Tried first, until one is survived; the largest is between that and the one before [N s]."""
 
 PUSH_RESOLUTION = 1.0  # [N s], or a tenth of the push
 
@@ -84,6 +84,8 @@ def largest_push(
 ) -> PushOutcome:
     """The largest push survived at an instant of the first step, by bisection on its impulse.
 
+    Where one is survived those below it are taken to be.
+
     Args:
         biped: the robot.
         gait: the gait.
@@ -98,13 +100,22 @@ def largest_push(
     # the left foot stands first: outwards is to the left
     sign = 1.0 if direction == "outwards" else -1.0
     good, bad, steps, why = 0.0, np.inf, 0, "nothing up to the end of the search"
-    while bad - good > max(resolution, 0.1 * good) and good < LARGEST_PUSH:
-        size = 0.5 * (good + bad) if np.isfinite(bad) else max(2.0 * good, FIRST_PUSH)
-        fell, count = _fate(biped, gait, by, Push(start, PUSH_DURATION, sign * size))
-        if fell:
-            bad, why = size, fell
+
+    def survives(size: float) -> bool:
+        nonlocal good, bad, steps, why
+        obstacle, count = _fate(biped, gait, by, Push(start, PUSH_DURATION, sign * size))
+        if obstacle:
+            bad, why = size, obstacle
         else:
             good, steps = size, count
+        return not obstacle
+
+    # from the largest down: a robot that a push fells falls soon, and one that recovers is walked for steps
+    for size in PUSHES:
+        if survives(size):
+            break
+    while np.isfinite(bad) and bad - good > max(resolution, 0.1 * good):
+        survives(0.5 * (good + bad))
     return PushOutcome(instant, direction, good, steps, why)
 
 
