@@ -64,7 +64,7 @@ from frontal_biped.zero_dynamics.half_steps import rising_energy
 SAMPLES = 13
 """Speeds at which a map is sampled, over the interval that returns and a little more."""
 
-FIXED_ERRORS, FIRST_ERROR = (0.02, 0.05, 0.1, 0.2, 0.4), 3
+FIXED_ERRORS, FIRST_ERROR = (0.02, 0.05, 0.1, 0.2, 0.4), 0.1
 """Relative speed errors tried of fixed transitions, and which of them first: a return passes by the smaller ones."""
 
 SPEED_RESOLUTION = 0.005
@@ -276,7 +276,8 @@ def largest_error(obstacle: Callable[[float], tuple[str, float]]) -> tuple[float
         obstacle: to the return from an error [-], empty where there is none; and what then remains of it [-], inf after
             a fall.
     """
-    errors, k = (0.0, *FIXED_ERRORS), FIRST_ERROR
+    errors = (0.0, *FIXED_ERRORS)
+    k = errors.index(FIRST_ERROR)
     found = {0.0: ("", 0.0)}
 
     def returns(error: float) -> bool:
@@ -293,13 +294,14 @@ def largest_error(obstacle: Callable[[float], tuple[str, float]]) -> tuple[float
         k -= 1
         while not returns(errors[k]):
             k -= 1
-    start, width, cells = errors[k], errors[k + 1] - errors[k], 1
-    while width > SPEED_RESOLUTION:
-        width, cells = 0.5 * width, 2 * cells
+    cells = 1
+    while errors[k + 1] - errors[k] > cells * SPEED_RESOLUTION:
+        cells *= 2
+    ends = np.linspace(errors[k], errors[k + 1], cells + 1).tolist()
     good, bad = 0, cells
     while bad - good > 1:
-        remains, too_much = (found[start + cell * width][1] for cell in (good, bad))
+        remains, too_much = found[ends[good]][1], found[ends[bad]][1]
         share = (RECOVERED - remains) / (too_much - remains) if np.isfinite(too_much) else 0.5
         middle = min(max(good + int(share * (bad - good)), good + 1), bad - 1)
-        good, bad = (middle, bad) if returns(start + middle * width) else (good, middle)
-    return start + good * width, found[start + bad * width][0]
+        good, bad = (middle, bad) if returns(ends[middle]) else (good, middle)
+    return ends[good], found[ends[bad]][0]
