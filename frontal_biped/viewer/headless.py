@@ -26,12 +26,17 @@ CHROMIUM_OPTIONS = (
     "--use-gl=angle",
     "--use-angle=swiftshader",  # draws without a graphics card
     "--enable-unsafe-swiftshader",
-    "--disable-gpu-compositing",  # the page around the scene is put together faster without that renderer
-    "--disable-lcd-text",  # which would let text have coloured rims
     "--disable-background-networking",
     "--disable-quic",
     "--no-first-run",
 )
+PICTURE_OPTIONS = (
+    *CHROMIUM_OPTIONS,
+    "--disable-gpu-compositing",  # what stands around the scene is put together faster without that renderer
+    "--disable-lcd-text",  # which would let text have coloured rims
+)
+"""For pictures, not for a page that somebody watches: its scene is then copied out of the renderer at every frame."""
+
 _PATIENCE = 120.0  # [s] for a software renderer and the meshes of a humanoid
 _DRAWN = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done())))"
 """Two frames of a page: the first tells the scene, the second draws it."""
@@ -67,7 +72,7 @@ def opened_page(html: str, size: tuple[int, int]) -> Iterator[Any]:
         try:
             chromium = playwright.chromium.launch(
                 executable_path=executable,
-                args=list(CHROMIUM_OPTIONS),
+                args=list(PICTURE_OPTIONS),
                 handle_sigint=False,  # it is closed below
                 handle_sigterm=False,
                 handle_sighup=False,
