@@ -4,19 +4,24 @@ The ground holds what it can and no more: a stance foot slips at the gait's own 
 its edge where the FRI leaves the sole. Either is a fall, as in the closed form, which keeps every contact constraint.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.controller import QpController
+from frontal_biped.control.stabilisers.by_name import make_stabiliser
+from frontal_biped.control.stabilisers.transitions import Stabiliser
+from frontal_biped.gait.file import gait_to_dict
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.disturbances import Disturbances
+from frontal_biped.simulation.event_driven import simulate_walk
 from frontal_biped.simulation.pushes import Push
 from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.simulation.trajectory import Trajectory
-from frontal_biped.simulation.walking import simulate
+from frontal_biped.simulation.walking import sampled_settings, start_state
 from frontal_biped.zero_dynamics.poincare import StepOrbit
 
 PERIOD = 1e-3  # [s]
@@ -28,14 +33,17 @@ INSTANTS = (("just after the impact", 0.02), ("half-way up", 0.5), ("at the reve
 DIRECTIONS = ("outwards", "inwards")
 """Away from the first swing foot, and towards it."""
 
-STEPS_TO_DECIDE = (3, 6)
-"""Steps walked after a push; the larger number only where the speed is not back after the smaller."""
+STEPS_TO_DECIDE = 6
+"""Steps walked at most to see whether the speed is back."""
+
+AT_THE_GAIT = 2
+"""Landings on end at the gait's speed after which a pushed walk is the gait's."""
 
 RECOVERED = 0.05
 """Relative error of the post-impact speed that counts as recovered; 1 kHz control alone costs 0.003."""
 
-FIRST_PUSH, LARGEST_PUSH = 8.0, 64.0
-"""First and largest push tried [N s]."""
+PUSHES = (64.0, 32.0, 16.0, 8.0)
+"""Tried first, until one is survived; the largest is between that and the one before [N s]."""
 
 PUSH_RESOLUTION = 1.0  # [N s], or a tenth of the push
 
@@ -76,6 +84,8 @@ def largest_push(
 ) -> PushOutcome:
     """The largest push survived at an instant of the first step, by bisection on its impulse.
 
+    Where one is survived those below it are taken to be.
+
     Args:
         biped: the robot.
         gait: the gait.
@@ -86,24 +96,37 @@ def largest_push(
         resolution: of the impulse [N s]; a tenth of it is enough in any case.
     """
     start = time_in_step(gait.step(biped), place)
+    by = make_stabiliser(stabiliser, biped, gait)  # one for all walks: what it finds of the gait it finds once
     # the left foot stands first: outwards is to the left
     sign = 1.0 if direction == "outwards" else -1.0
     good, bad, steps, why = 0.0, np.inf, 0, "nothing up to the end of the search"
-    while bad - good > max(resolution, 0.1 * good) and good < LARGEST_PUSH:
-        size = 0.5 * (good + bad) if np.isfinite(bad) else max(2.0 * good, FIRST_PUSH)
-        fell, count = _fate(biped, gait, stabiliser, Push(start, PUSH_DURATION, sign * size))
-        if fell:
-            bad, why = size, fell
+
+    def survives(size: float) -> bool:
+        nonlocal good, bad, steps, why
+        obstacle, count = _fate(biped, gait, by, Push(start, PUSH_DURATION, sign * size))
+        if obstacle:
+            bad, why = size, obstacle
         else:
             good, steps = size, count
+        return not obstacle
+
+    # from the largest down: a robot that a push fells falls soon, and one that recovers is walked for steps
+    for size in PUSHES:
+        if survives(size):
+            break
+    while np.isfinite(bad) and bad - good > max(resolution, 0.1 * good):
+        survives(0.5 * (good + bad))
     return PushOutcome(instant, direction, good, steps, why)
 
 
 def held_walk(
     biped: FrontalBiped,
     gait: Gait,
-    stabiliser: str,
+    stabiliser: Stabiliser | str,
     *pushes: Push,
+    steps: int,
+    speed_error: float = 0.0,
+    simulation_settings: SimulationSettings | None = None,
     **options: Any,
 ) -> Trajectory:
     """A walk at `PERIOD` on ground that holds what it can: the gait's friction, and a FRI within the sole.
@@ -111,15 +134,22 @@ def held_walk(
     Args:
         biped: the robot.
         gait: the gait.
-        stabiliser: by name.
+        stabiliser: itself or by name.
         pushes: on the way.
-        options: of `simulate`.
+        steps: impacts after which to stop.
+        speed_error: relative error of the first post-impact speed [-].
+        simulation_settings: how to record.
+        options: of `simulate_walk`.
 
     Returns:
         The run; to slip and to roll over an edge are falls.
     """
     ground = Disturbances(pushes=pushes, friction=(1.0 + HELD) * gait.specification.friction, rolls=True)
-    return simulate(biped, gait, period=PERIOD, stabiliser=stabiliser, disturbances=ground, **options)
+    settings = replace(simulation_settings or SimulationSettings(), steps=steps, period=PERIOD, disturbances=ground)
+    by = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
+    controller = QpController(biped, gait, sampled_settings(gait, PERIOD), by)
+    start, told = start_state(gait, speed_error), gait_to_dict(gait)
+    return simulate_walk(biped, controller, start, settings, gait=told, **options)
 
 
 def time_in_step(step: StepOrbit, place: float) -> float:
@@ -128,19 +158,30 @@ def time_in_step(step: StepOrbit, place: float) -> float:
     return place * up if place <= 1.0 else up + (place - 1.0) * down
 
 
-def _fate(biped: FrontalBiped, gait: Gait, stabiliser: str, push: Push) -> tuple[str, int]:
+def _fate(biped: FrontalBiped, gait: Gait, stabiliser: Stabiliser, push: Push) -> tuple[str, int]:
     """What is in the way of recovery, empty where nothing is; and the steps that recovery takes."""
-    for steps in STEPS_TO_DECIDE:
-        run = held_walk(biped, gait, stabiliser, push, steps=steps, simulation_settings=RECORDING)
-        if run.fell:
-            return run.outcome, 0
-        late = np.flatnonzero(speed_errors(run, gait) > RECOVERED)
-        taken = int(late[-1]) if len(late) else 0
-        if taken <= steps - 2:  # the last two steps were the gait's
-            return "", taken
-    return f"not back within {STEPS_TO_DECIDE[-1]} steps", 0
+    wanted = gait.orbit.beta_dot_after_impact
+
+    def recovered(speeds: FloatArray) -> bool:
+        landings = speeds[1:]
+        return len(landings) >= AT_THE_GAIT and not np.any(_off(landings[-AT_THE_GAIT:], wanted) > RECOVERED)
+
+    run = held_walk(
+        biped, gait, stabiliser, push, steps=STEPS_TO_DECIDE, simulation_settings=RECORDING, enough=recovered
+    )
+    if run.fell:
+        return run.outcome, 0
+    if not recovered(run.post_impact_speeds):
+        return f"not back within {STEPS_TO_DECIDE} steps", 0
+    late = np.flatnonzero(speed_errors(run, gait) > RECOVERED)
+    return "", int(late[-1]) if len(late) else 0
 
 
 def speed_errors(run: Trajectory, gait: Gait) -> FloatArray:
     """(k,) relative errors of the post-impact speeds of a run, unsigned [-]."""
-    return np.abs(run.post_impact_speeds / gait.orbit.beta_dot_after_impact - 1.0)
+    return _off(run.post_impact_speeds, gait.orbit.beta_dot_after_impact)
+
+
+def _off(speeds: FloatArray, wanted: float) -> FloatArray:
+    off: FloatArray = np.abs(speeds / wanted - 1.0)
+    return off

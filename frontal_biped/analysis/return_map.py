@@ -33,6 +33,9 @@ PATIENCE = 3
 STEPS = 60
 """Steps after which a slow return is given up."""
 
+KEPT = 64
+"""Rising phases whose energy is kept at most."""
+
 FIRST_PROBE, WIDENING = 0.02, 1.4
 """Search of a basin: relative speed error tried first on either side, and the factor from one to the next."""
 
@@ -95,7 +98,7 @@ class RestrictedMap:
     def __init__(self, biped: FrontalBiped, gait: Gait, stabiliser: Stabiliser) -> None:
         self.biped, self.gait, self.stabiliser = biped, gait, stabiliser
         self.limits = ContactMargins(biped, gait)
-        self._last: tuple[RisingConstraints, PhaseEnergy] | None = None
+        self._energies: dict[int, tuple[RisingConstraints, PhaseEnergy]] = {}
 
     def start(self, speed_ratio: float = 1.0) -> ConstrainedState:
         """After the impact of the gait, its speed multiplied."""
@@ -110,10 +113,7 @@ class RestrictedMap:
             ReversalError: there is none; the message says why.
         """
         rising = self.stabiliser.rising(start)
-        # the unperturbed phase is the same object at every landing as planned: its energy serves all speeds
-        if self._last is None or self._last[0] is not rising:
-            self._last = (rising, rising_energy(self.biped, rising))
-        up = self._last[1]
+        up = self._energy(rising)
         reversal = up.reversal(start.dbeta)
         falling = self.stabiliser.falling(rising, reversal)
         down = falling_energy(self.biped, falling, reversal)
@@ -122,6 +122,14 @@ class RestrictedMap:
         q_minus = relabel(landed.q)
         width = float(self.biped.joint_positions(q_minus)[3, 0])
         return RestrictedStep(start, reversal, rising, falling, landed, width, tuple(margins))
+
+    def _energy(self, rising: RisingConstraints) -> PhaseEnergy:
+        """Of a rising phase: the same object is met again at landings as planned, and its energy serves all speeds."""
+        if id(rising) not in self._energies:
+            if len(self._energies) == KEPT:
+                self._energies.clear()
+            self._energies[id(rising)] = (rising, rising_energy(self.biped, rising))  # kept, it keeps its id
+        return self._energies[id(rising)][1]
 
     def speed_ratio(self, landed: ConstrainedState) -> float:
         """Post-impact speed relative to the gait's [-]."""

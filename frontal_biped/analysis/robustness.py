@@ -36,6 +36,7 @@ torque on the energy that a held torque loses. At 1 kHz take ``ankle``.
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, as_completed
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -62,6 +63,9 @@ from frontal_biped.zero_dynamics.half_steps import rising_energy
 
 SAMPLES = 13
 """Speeds at which a map is sampled, over the interval that returns and a little more."""
+
+FIXED_ERRORS, FIRST_ERROR = (0.02, 0.05, 0.1, 0.2, 0.4), 0.1
+"""Relative speed errors tried of fixed transitions, and which of them first: a return passes by the smaller ones."""
 
 SPEED_RESOLUTION = 0.005
 
@@ -173,7 +177,7 @@ def robustness_card(
         instants: name and place in the step of each push; none: no pushes.
         push_resolution: of the largest pushes [N s].
         samples: number of speeds at which each map is sampled.
-        executor: runs the parts; default: this process, one after the other.
+        executor: runs the parts beside this process; default: this process alone, one after the other.
         on_progress: called with what is being done.
 
     Raises:
@@ -215,20 +219,25 @@ def robustness_card(
 def _compute(
     parts: dict[str, tuple[Callable[..., Any], tuple[Any, ...]]], executor: Executor | None, say: Callable[[str], None]
 ) -> dict[str, Any]:
-    """The result of each part, in the order of the parts."""
-    if executor is None:
-        results = {}
-        for k, (name, (function, arguments)) in enumerate(parts.items()):
-            say(f"{k}/{len(parts)} done; {name}")
-            results[name] = function(*arguments)
-        return results
-    # the closed forms take longest and come first, so that no process is left with one of them at the end
-    futures: dict[Future[Any], str] = {executor.submit(f, *a): name for name, (f, a) in parts.items()}
-    say(f"0/{len(parts)} parts of the robustness card done")
-    for k, future in enumerate(as_completed(futures)):
-        future.result()  # an error is raised at once
-        say(f"{k + 1}/{len(parts)} done; last {futures[future]}")
-    return {name: future.result() for future, name in futures.items()}
+    """The result of each part, in the order of the parts; an executor begins with the first, this process at the end.
+
+    The closed forms take longest and come first, so that no process is left with one of them at the end.
+    """
+    futures: dict[Future[Any], str] = {}
+    if executor is not None:
+        futures = {executor.submit(function, *arguments): name for name, (function, arguments) in parts.items()}
+    waiting = {name: future for future, name in futures.items()}
+    results: dict[str, Any] = {}
+    for name in parts if executor is None else reversed(parts):
+        if name in waiting and not waiting[name].cancel():
+            continue
+        function, arguments = parts[name]
+        say(f"{len(results) + sum(future.done() for future in futures)}/{len(parts)} done; {name}")
+        results[name] = function(*arguments)
+    for future in as_completed(future for future, name in futures.items() if name not in results):
+        results[futures[future]] = future.result()
+        say(f"{len(results)}/{len(parts)} done; last {futures[future]}")
+    return {name: results[name] for name in parts}
 
 
 def summarise_map(biped: FrontalBiped, gait: Gait, stabiliser: str, samples: int = SAMPLES) -> MapSummary:
@@ -245,25 +254,54 @@ def summarise_map(biped: FrontalBiped, gait: Gait, stabiliser: str, samples: int
 def fixed_basin(biped: FrontalBiped, gait: Gait) -> Basin:
     """Speeds from which the paper's fixed transitions return, by simulation at 1 kHz."""
 
-    def obstacle(error: float) -> str:
-        steps = STEPS_TO_DECIDE[-1]
+    def obstacle(sense: float, size: float) -> tuple[str, float]:
+        steps, error = STEPS_TO_DECIDE, sense * size
         run = held_walk(biped, gait, "fixed", steps=steps, speed_error=error, simulation_settings=RECORDING)
         if run.fell:
-            return run.outcome
-        return "" if speed_errors(run, gait)[-1] <= RECOVERED else f"not back within {steps} steps"
+            return run.outcome, np.inf
+        left = float(speed_errors(run, gait)[-1])
+        return "" if left <= RECOVERED else f"not back within {steps} steps", left
 
-    ends = []
-    for sense in (-1.0, 1.0):
-        good, why = 0.0, "nothing up to the end of the search"
-        for size in (0.02, 0.05, 0.1, 0.2, 0.4):
-            found = obstacle(sense * size)
-            if found:
-                bad, why = size, found
-                while bad - good > SPEED_RESOLUTION:
-                    middle = 0.5 * (good + bad)
-                    found = obstacle(sense * middle)
-                    good, bad, why = (good, middle, found) if found else (middle, bad, why)
-                break
-            good = size
-        ends.append((1.0 + sense * good, why))
-    return Basin(ends[0][0], ends[1][0], ends[0][1], ends[1][1])
+    below, above = (largest_error(partial(obstacle, sense)) for sense in (-1.0, 1.0))
+    return Basin(1.0 - below[0], 1.0 + above[0], below[1], above[1])
+
+
+def largest_error(obstacle: Callable[[float], tuple[str, float]]) -> tuple[float, str]:
+    """The largest error that returns, and what is in the way of more; `FIXED_ERRORS`, refined to `SPEED_RESOLUTION`.
+
+    What remains of an error after a walk is all but proportional to it, so it is not bisected between two of them:
+    of the cells in which a bisection could end, that one is looked at in which `RECOVERED` should remain.
+
+    Args:
+        obstacle: to the return from an error [-], empty where there is none; and what then remains of it [-], inf after
+            a fall.
+    """
+    errors = (0.0, *FIXED_ERRORS)
+    k = errors.index(FIRST_ERROR)
+    found = {0.0: ("", 0.0)}
+
+    def returns(error: float) -> bool:
+        if error not in found:
+            found[error] = obstacle(error)
+        return not found[error][0]
+
+    if returns(errors[k]):
+        while k + 1 < len(errors) and returns(errors[k + 1]):
+            k += 1
+        if k + 1 == len(errors):
+            return errors[k], "nothing up to the end of the search"
+    else:
+        k -= 1
+        while not returns(errors[k]):
+            k -= 1
+    cells = 1
+    while errors[k + 1] - errors[k] > cells * SPEED_RESOLUTION:
+        cells *= 2
+    ends = np.linspace(errors[k], errors[k + 1], cells + 1).tolist()
+    good, bad = 0, cells
+    while bad - good > 1:
+        remains, too_much = found[ends[good]][1], found[ends[bad]][1]
+        share = (RECOVERED - remains) / (too_much - remains) if np.isfinite(too_much) else 0.5
+        middle = min(max(good + int(share * (bad - good)), good + 1), bad - 1)
+        good, bad = (middle, bad) if returns(ends[middle]) else (good, middle)
+    return ends[good], found[ends[bad]][0]

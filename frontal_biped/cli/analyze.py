@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--robustness",
         action="store_true",
-        help="add the robustness card: speeds that return and pushes survived; a minute and a half of processor time",
+        help="add the robustness card: speeds that return and pushes survived; some ten seconds of processor time",
     )
     add_jobs(parser)
     parser.add_argument(
@@ -47,7 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
     from frontal_biped.analysis.robustness import robustness_card
     from frontal_biped.analysis.sideways import analyze_sideways
     from frontal_biped.cli.sources import load_filed_walker
-    from frontal_biped.cli.workers import workers
+    from frontal_biped.cli.workers import helpers
     from frontal_biped.exceptions import GaitFileError
     from frontal_biped.gait.gait import Gait
     from frontal_biped.gait.sideways import SidewaysGait
@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
         analysis = analyze(biped, gait)
         table, text = analysis.as_dict(), str(analysis) if arguments.verbose else analysis.summary
         if arguments.robustness:
-            with workers(arguments.jobs) as executor:
+            with helpers(arguments.jobs) as executor:
                 card = robustness_card(biped, gait, executor=executor, on_progress=progress.update)
             table["robustness"] = card.as_dict()
             text += f"\n\n{card}"

@@ -15,11 +15,28 @@ def workers(jobs: int) -> Iterator[Executor | None]:
     Raises:
         FrontalBipedError: one of them ended before its work.
     """
-    if jobs == 1:
+    with _processes(jobs, 0 if jobs == 1 else jobs) as executor:
+        yield executor
+
+
+@contextmanager
+def helpers(jobs: int) -> Iterator[Executor | None]:
+    """Worker processes beside this one, which does its share of the jobs; none for one job.
+
+    Raises:
+        FrontalBipedError: one of them ended before its work.
+    """
+    with _processes(jobs, jobs - 1) as executor:
+        yield executor
+
+
+@contextmanager
+def _processes(jobs: int, count: int) -> Iterator[Executor | None]:
+    if count == 0:
         yield None
         return
     try:
-        with worker_processes(jobs) as executor:
+        with worker_processes(count) as executor:
             yield executor
     except BrokenExecutor:
         raise FrontalBipedError(

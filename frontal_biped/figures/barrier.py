@@ -173,4 +173,4 @@ def _fall(
         return None
     beta = np.linspace(reversal, falling.end, _POINTS)
     growth, spent = np.array([falling.at(b) for b in beta]).T
-    return beta, -np.exp(growth) * spent
+    return beta, np.exp(growth) * np.maximum(-spent, 0.0)  # at rest where it begins

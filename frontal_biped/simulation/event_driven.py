@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from frontal_biped.arrays import FloatArray
 from frontal_biped.control.interface import Controller
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.perturbation import ModelErrors
@@ -36,6 +37,7 @@ def simulate_walk(
     errors: ModelErrors | None = None,
     stance: Stance = Stance.LEFT,
     on_step: Callable[[int], None] | None = None,
+    enough: Callable[[FloatArray], bool] | None = None,
     gait: Mapping[str, Any] | None = None,
     controller_settings: Mapping[str, Any] | None = None,
 ) -> Trajectory:
@@ -49,6 +51,8 @@ def simulate_walk(
         errors: how the robot that is simulated differs from ``biped``.
         stance: the first stance foot.
         on_step: called with the number of completed steps.
+        enough: asked after every step, given the post-impact speeds so far (k,) [rad/s], the start's first: may the
+            walk end here?
         gait: content of the gait file, kept with the run.
         controller_settings: kept with the run.
 
@@ -61,7 +65,7 @@ def simulate_walk(
     steps = Steps(engine, chosen.steps, chosen.landing_heights, pushes, recorder, on_step)
     engine.place(stance, start)
     steps.start(stance)
-    told = Told(engine, controller, steps, pushes, recorder)
+    told = Told(engine, controller, steps, pushes, recorder, enough)
     if chosen.period is None:
         outcome = _run_continuously(told, chosen)
     else:

@@ -4,6 +4,7 @@ Where the encoders are noisy it is told an observer's estimate instead. Noise of
 chain from stance to swing foot, the coordinates such a controller speaks.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,13 +58,22 @@ class Told:
         steps: counts and tells.
         pushes: of the run.
         recorder: of samples and events.
+        enough: may the walk end after these post-impact speeds (k,) [rad/s], the start's first? Default: never before
+            its last step.
     """
 
     def __init__(
-        self, engine: RigidEngine, controller: Controller, steps: Steps, pushes: PushForces, recorder: Recorder
+        self,
+        engine: RigidEngine,
+        controller: Controller,
+        steps: Steps,
+        pushes: PushForces,
+        recorder: Recorder,
+        enough: Callable[[FloatArray], bool] | None = None,
     ) -> None:
         self.engine, self.controller, self.steps = engine, controller, steps
-        self._pushes, self._recorder = pushes, recorder
+        self._pushes, self._recorder, self._enough = pushes, recorder, enough
+        self._speeds = [float(engine.state.dq[0])]
 
     def segment(self, t: float) -> Segment:
         """The phase that begins at time t [s]."""
@@ -136,6 +146,9 @@ class Told:
         if event is EventKind.IMPACT:
             self._recorder.event(t, EventKind.IMPACT, steps.count - 1, self.engine.state)
             steps.announce()
+            self._speeds.append(float(self.engine.state.dq[0]))
+            if self._enough is not None and self._enough(np.array(self._speeds)):
+                return COMPLETED
         return COMPLETED if steps.complete else None
 
 

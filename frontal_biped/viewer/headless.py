@@ -10,6 +10,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -29,9 +30,18 @@ CHROMIUM_OPTIONS = (
     "--disable-quic",
     "--no-first-run",
 )
+PICTURE_OPTIONS = (
+    *CHROMIUM_OPTIONS,
+    "--disable-gpu-compositing",  # what stands around the scene is put together faster without that renderer
+    "--disable-lcd-text",  # which would let text have coloured rims
+)
+"""For pictures, not for a page that somebody watches: its scene is then copied out of the renderer at every frame."""
+
 _PATIENCE = 120.0  # [s] for a software renderer and the meshes of a humanoid
 _DRAWN = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done())))"
 """Two frames of a page: the first tells the scene, the second draws it."""
+
+_KEPT = 2**26  # [bytes] of scenes that are kept decoded, for a walk that comes back to them
 
 _SLICE = 500  # [ms] of it, between two looks at signals
 
@@ -62,7 +72,7 @@ def opened_page(html: str, size: tuple[int, int]) -> Iterator[Any]:
         try:
             chromium = playwright.chromium.launch(
                 executable_path=executable,
-                args=list(CHROMIUM_OPTIONS),
+                args=list(PICTURE_OPTIONS),
                 handle_sigint=False,  # it is closed below
                 handle_sigterm=False,
                 handle_sighup=False,
@@ -197,6 +207,8 @@ class Film:
         self._page = page
         self._around: Any = None  # an image of Pillow
         self._scenes: list[bytes] = []
+        window = page.viewport_size
+        self._decoded = lru_cache(max(1, _KEPT // (3 * window["width"] * window["height"])))(self._decode)
         x, y, width, height, colour = page.evaluate(
             """() => {
                 const { x, y, width, height } = document.querySelector("main").getBoundingClientRect();
@@ -205,7 +217,6 @@ class Film:
         )
         page.evaluate("document.body.classList.add('film')")
         # what is below the window costs a picture of the scene at every look at it
-        window = page.viewport_size
         page.set_viewport_size({**window, "height": max(window["height"], math.ceil(y + height))})
         page.evaluate(_DRAWN)
         clip = {"x": x, "y": y, "width": math.ceil(width), "height": math.ceil(height), "scale": 1}
@@ -233,10 +244,14 @@ class Film:
             shot = self._session.send("Page.captureScreenshot", self._shot)
             self._around = Image.open(io.BytesIO(base64.b64decode(shot["data"]))).convert("RGBA")
         frame = Image.new("RGB", self._around.size, self._colour)
-        scene = Image.open(io.BytesIO(self._scenes[taken["number"]]))
-        frame.paste(scene.convert("RGB"), tuple(taken["place"]))
+        frame.paste(self._decoded(taken["number"]), tuple(taken["place"]))
         frame.paste(self._around, mask=self._around)
         return frame
+
+    def _decode(self, number: int) -> Any:
+        from PIL import Image
+
+        return Image.open(io.BytesIO(self._scenes[number])).convert("RGB")
 
 
 def _palette(middle: Any) -> Any:

@@ -6,6 +6,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -81,28 +82,34 @@ class ContinuedPhase(_Wrapper):
 
     def _continuation(self, beta: FloatArray) -> ConstrainedMotion:
         """`motion` past the end."""
-        end = self._at_end
-        x = (beta - self.beta_end)[:, None]
-        l, m = self.taper, self.curvature_taper
-        slow, fast = np.exp(-x / l), np.exp(-x / m)
-        slope, growth = end.dq[:, 1:], end.ddq[:, 1:] + end.dq[:, 1:] / l
         q, dq, ddq = np.empty((3, len(beta), 4))
         q[:, 0], dq[:, 0], ddq[:, 0] = beta, 1.0, 0.0
-        q[:, 1:] = end.q[:, 1:] + slope * l * (1.0 - slow) + growth * m * (m - (m + x) * fast)
-        dq[:, 1:] = slope * slow + growth * x * fast
-        ddq[:, 1:] = growth * (1.0 - x / m) * fast - slope / l * slow
-        decay = np.exp(-x[:, 0] / self.fri_taper)
-        p_fri = end.p_fri + end.dp_fri * self.fri_taper * (1.0 - decay)
-        return ConstrainedMotion(q, dq, ddq, p_fri, end.dp_fri * decay)
+        q[:, 1:], dq[:, 1:], ddq[:, 1:], p_fri, dp_fri = self._beyond(beta[:, None])
+        return ConstrainedMotion(q, dq, ddq, p_fri[:, 0], dp_fri[:, 0])
+
+    def _beyond(self, beta: Any) -> tuple[Any, Any, Any, Any, Any]:
+        """h_d, h_d', h_d'' (..., 3), the FRI target and its slope past the end, at one beta or at a column of them."""
+        (q_b, slope, growth, p_fri, dp_fri), l, m = self._at_end, self.taper, self.curvature_taper
+        x = beta - self.beta_end
+        slow, fast, decay = np.exp(-x / l), np.exp(-x / m), np.exp(-x / self.fri_taper)
+        return (
+            q_b + slope * l * (1.0 - slow) + growth * m * (m - (m + x) * fast),
+            slope * slow + growth * x * fast,
+            growth * (1.0 - x / m) * fast - slope / l * slow,
+            p_fri + dp_fri * self.fri_taper * (1.0 - decay),
+            dp_fri * decay,
+        )
 
     @cached_property
-    def _at_end(self) -> ConstrainedMotion:
-        return self.phase.motion(np.array([self.beta_end]))
+    def _at_end(self) -> tuple[FloatArray, FloatArray, FloatArray, float, float]:
+        """Of the planned phase: pose, slope and h'' + h'/l of q_b (3,), the FRI target and its slope."""
+        q, dq, ddq, p_fri, dp_fri = self.phase.motion(np.array([self.beta_end]))
+        return q[0, 1:], dq[0, 1:], ddq[0, 1:] + dq[0, 1:] / self.taper, p_fri.item(), dp_fri.item()
 
     def desired(self, beta: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
         """h_d (3,), dh_d/dbeta (3,), d2h_d/dbeta2 (3,) and the FRI target at one beta."""
         phase = self.phase
-        return phase.desired(beta) if beta <= phase.beta_end else _at_one(self.motion(np.array([beta])))
+        return phase.desired(beta) if beta <= phase.beta_end else self._beyond(beta)[:4]
 
     def shifted(self, shift: float) -> "ContinuedPhase":
         """The phase with its FRI target moved by a constant [m]."""

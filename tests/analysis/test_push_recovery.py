@@ -64,3 +64,19 @@ def test_the_largest_push_keeps_the_fri_in_the_sole(biped, robust_gait):
     assert not run.fell
     assert of_sole(biped, run).max() <= 1.0 + BEYOND_SOLE
     assert np.max(np.abs(run.force[:, 0]) / run.force[:, 1]) <= 1.01 * robust_gait.specification.friction
+
+
+def test_a_walk_that_is_enough_ends_there_and_is_the_start_of_the_longer_one(biped, robust_gait):
+    push, seen = shove(biped, robust_gait, 4.0), []
+
+    def enough(speeds):
+        seen.append(len(speeds))
+        return len(speeds) == 2
+
+    short = held_walk(biped, robust_gait, "ankle", push, steps=2, enough=enough)
+    whole = held_walk(biped, robust_gait, "ankle", push, steps=2)
+    assert seen == [2]
+    assert not short.fell
+    assert (short.steps_completed, whole.steps_completed) == (1, 2)
+    np.testing.assert_array_equal(short.q, whole.q[: len(short.q)])
+    np.testing.assert_array_equal(short.post_impact_speeds, whole.post_impact_speeds[:2])

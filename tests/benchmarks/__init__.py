@@ -47,12 +47,13 @@ Every answer is the computed one. Landings off the planned pose are answered as 
     1 kHz, the walker                           386, 284        159, 148
     the walker in MuJoCo                        338, 301        193, 157
 
-**What a user waits for**, `benchmark_waiting.py`: a GIF of 16 s of continuous walking takes an eighth of the processor
-time it took (fewer and smaller pictures are part of that; the steps of that walk take a whole number of pictures);
-the demonstration 15 s where it took 21, in turn on one machine.
+**What a user waits for**, `benchmark_waiting.py`, processor time of all processes, before and now in turn on a busy
+machine: a GIF of 16 s of continuous walking takes 13 s where it took 140 (fewer and smaller pictures are part of that;
+the steps of that walk take a whole number of pictures), the robustness card 21 s where it took 56, the demonstration
+20 s where it took 35. The card's parts in one process: 14.4 s where they took 43.2.
 
-**The studio**, `benchmark_studio.py`: from a slider to a new gait 0.31 s, median of 20 changes, 1.5 s at most, measured
-before designs took half the time.
+**The studio**, `benchmark_studio.py`: from a slider to a new gait 0.19 s of processor time where it took 0.34, medians
+of 20 changes in turn on a busy machine; 0.7 s at most.
 
 **Humanoids**, `benchmark_humanoids.py`, from URDF to certified gait: 4.5 to 13.2 CPU s on a busy machine with
 0.2.0, 1.4 to 5.5 on a quiet one with 0.1.0.

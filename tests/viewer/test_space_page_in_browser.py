@@ -168,6 +168,29 @@ def test_phase_portrait_runs_along_beside_the_robot(opened):
     assert own["y"] + own["height"] <= scene["y"] + scene["height"]
 
 
+@pytest.mark.parametrize("width", [640, 420])
+def test_a_narrow_picture_says_the_step_in_one_line_and_its_legend_stands_in_rows(opened, width):
+    """As a GIF takes it; the words of a caption change with time, and its height must not."""
+    page, wide = opened.page, opened.page.viewport_size
+    page.evaluate("document.body.classList.add('still')")
+    page.set_viewport_size({"width": width, "height": 480})
+    heights = set()
+    for time in np.linspace(0.0, float(opened.run.t[-1]), 5):
+        opened.at(time)
+        heights.add(page.evaluate("document.querySelector('#captions p').getClientRects()[0].height"))
+    line = page.evaluate("parseFloat(getComputedStyle(document.querySelector('#captions p')).lineHeight)")
+    rows = page.evaluate(
+        "[...document.querySelectorAll('#toggles label:not([hidden])')].map((label) => {"
+        " const { y, height } = label.getBoundingClientRect(); return y + height / 2; })"
+    )
+    page.evaluate("document.body.classList.remove('still')")
+    page.set_viewport_size(wide)
+    assert len(heights) == 1
+    assert heights.pop() < 1.5 * line
+    apart = np.diff(rows)
+    assert ((apart < 0.5) | (apart > 10.0)).all()  # beside the one before, or in the next row
+
+
 def test_every_plot_can_be_chosen(opened):
     plot = opened.page.locator("#plots .plot").nth(1)
     choice = plot.locator("select")

@@ -157,7 +157,8 @@ class LookAheadTransitions:
         """The falling phase from the actual reversal."""
         known = None if self._table is None else self._table.descent(self._stretch_of(rising), reversal)
         if known is None:
-            return self._falling(rising, reversal, self._speed(rising, reversal))[0]
+            seen = self._descents.get((rising.beta_end, reversal))
+            return (seen or self._falling(rising, reversal, self._speed(rising, reversal)))[0]
         return self._descended(known, rising, reversal)
 
     @cached_property
@@ -176,7 +177,7 @@ class LookAheadTransitions:
             reversal = self._energy(rising, dbeta).reversal(dbeta)
         except ReversalError:
             return None
-        falling, way, _ = self._falling(rising, reversal, dbeta)
+        falling, way, _ = self._descents.get((rising.beta_end, reversal)) or self._falling(rising, reversal, dbeta)
         early = way is Way.ANCHORED and reversal < rising.beta_end
         rejoin = REJOINS.index(self.plain.rejoin_of(rising, reversal)) if early else None
         room = min(
@@ -191,6 +192,7 @@ class LookAheadTransitions:
 
     def _stretch(self, phase: ContinuedPhase, dbeta: float) -> float:
         """By how much to stretch a phase begun with dbeta [rad/s], relative to the planned range."""
+        self._descents.clear()
         ratio = self._ratio(dbeta)
         if abs(ratio - 1.0) < NEAR or dbeta <= 0.0:
             return 0.0
@@ -259,7 +261,8 @@ class LookAheadTransitions:
         room = self._room(self.limits.rising(energy, dbeta, reversal))
         if room < 0.0:  # no falling phase can mend that
             return Outlook(room, -np.inf)
-        outlook = self._falling(phase, reversal, dbeta)[2]
+        descent = self._descents[phase.beta_end, reversal] = self._falling(phase, reversal, dbeta)
+        outlook = descent[2]
         return Outlook(min(room, outlook.room), outlook.miss)
 
     def _energy(self, phase: ContinuedPhase, dbeta: float) -> PhaseEnergy:
@@ -276,6 +279,11 @@ class LookAheadTransitions:
         return {}
 
     # ------------------------------------------------------------------ falling
+    @cached_property
+    def _descents(self) -> dict[tuple[float, float], tuple[VirtualConstraints, Way, Outlook]]:
+        """What `_falling` has answered in this step, by the end of the rising phase and the reversal [rad]."""
+        return {}
+
     def _falling(
         self, rising: RisingConstraints, reversal: float, dbeta: float
     ) -> tuple[VirtualConstraints, Way, Outlook]:

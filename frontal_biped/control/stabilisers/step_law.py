@@ -11,7 +11,7 @@ phase keeps its range: one for each width. A wider step falls further in beta an
 
 from dataclasses import dataclass, field
 from enum import Enum
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -23,10 +23,12 @@ from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.stance_map import relabel
 from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
 from frontal_biped.virtual_constraints.invariance import double_support_pose
 from frontal_biped.zero_dynamics.energy import PhaseEnergy, phase_energy
 from frontal_biped.zero_dynamics.half_steps import (
+    SURPLUS_ACCURACY,
     ConstrainedState,
     falling_energy,
     land_on_constraints,
@@ -131,25 +133,15 @@ class StepLaw:
         return self._reanchored.falling_to(rising, reversal, float(pose[0]), pose[1:])
 
     def final_pose(self, width: float) -> FloatArray:
-        """(4,) pose of a landing of the given width, from which the next step starts at the gait's beta_r+ [rad]."""
-        planned = self.gait.falling
-        beta, swing_ankle = planned.beta_end, float(planned.joint_bezier[2, -1])
+        """(4,) pose of a landing of the given width, from which the next step starts at the gait's beta_r+ [rad].
 
-        def off(x: float) -> float:
-            return float(double_support_pose(self.biped, x, width)[3]) - swing_ankle
+        It is the pose in which the next step starts, seen from the foot that still stands.
 
-        # a wider stance leans both legs out; one of them is held, so the other leans twice as much
-        lean = (width - self.gait.step_width) / self.biped.leg_length
-        low, high = sorted((beta - 2.0 * lean, beta + 0.5 * lean))
-        if off(low) * off(high) > 0.0:
-            low, high = beta - 0.3, beta + 0.3
-        try:
-            found = float(brentq(off, low, high, xtol=1e-14))
-        except ValueError:
-            raise UnreachablePoseError(
-                f"no landing {width:.4g} m wide starts the next step at the gait's pose"
-            ) from None
-        return double_support_pose(self.biped, found, width)
+        Raises:
+            UnreachablePoseError: the feet cannot stand so far apart.
+        """
+        next_start = self.gait.falling.joint_bezier.item(2, -1)  # the swing ankle that becomes the stance ankle
+        return relabel(double_support_pose(self.biped, next_start, width))
 
     # ------------------------------------------------------------------ rules
     def surplus(self, falling: VirtualConstraints, reversal: float) -> float:
@@ -170,6 +162,7 @@ class StepLaw:
     def _dead_beat(self, rising: RisingConstraints, reversal: float) -> tuple[float, float]:
         """Width, and the surplus left where no allowed width makes it vanish."""
 
+        @cache
         def error(width: float) -> float:
             try:
                 return self.surplus(self.to_width(rising, reversal, width), reversal)
@@ -177,16 +170,19 @@ class StepLaw:
                 return float("nan")
 
         planned = self.gait.step_width
-        if abs(reversal - self.gait.beta_reversal) < 1e-13:
+        worse = error(planned)
+        if abs(worse) <= SURPLUS_ACCURACY:
             return planned, 0.0
         offsets = np.array([0.0, *(sign * offset for offset in OFFSETS for sign in (1.0, -1.0))])
-        widths = np.unique(np.clip(planned * (1.0 + offsets), self.narrowest, self.widest))
-        order = sorted(widths, key=lambda width: abs(width - planned))
+        widths = np.unique(np.clip(planned * (1.0 + offsets), self.narrowest, self.widest)).tolist()
+        # outwards from the gait's width, until two neighbours differ in sign; a wider step gains energy
+        order = sorted(widths, key=lambda width: ((width - planned) * worse > 0.0, abs(width - planned)))
         values: dict[float, float] = {}
-        for width in order:  # outwards from the gait's width, until two neighbours differ in sign
-            values[float(width)] = error(float(width))
+        for width in order:
+            values[width] = error(width)
             known = sorted(values)
-            for a, b in pairwise(known):
+            place = known.index(width)
+            for a, b in pairwise(known[max(place - 1, 0) : place + 2]):
                 if values[a] * values[b] <= 0.0:
                     try:
                         return float(brentq(error, a, b, xtol=WIDTH_ACCURACY)), 0.0

@@ -71,6 +71,18 @@ def test_falling_phase_starts_on_the_rising_one(biped, level_gait):
         assert down.dq == pytest.approx(up.dq, rel=1e-7, abs=1e-7)
 
 
+def test_what_was_looked_at_for_the_rising_phase_is_answered_again(biped, level_gait):
+    """The falling phase is the one that a stabiliser finds that has looked at nothing before; step after step."""
+    chosen = LookAheadTransitions(biped, level_gait)
+    restricted = RestrictedMap(biped, level_gait, chosen)
+    for ratio in (0.8, 1.3, 0.9):
+        step = restricted.step(restricted.start(ratio))
+        anew = LookAheadTransitions(biped, level_gait).falling(step.rising, step.reversal)
+        beta = np.linspace(step.reversal, step.falling.beta_end, 9)
+        for part, own in zip(step.falling.motion(beta), anew.motion(beta), strict=True):
+            np.testing.assert_array_equal(part, own)
+
+
 @pytest.mark.slow
 def test_basin_covers_the_interval_of_the_design(biped, gait):
     basin = RestrictedMap(biped, gait, make_stabiliser("adaptive", biped, gait)).basin()
