@@ -20,7 +20,7 @@ from frontal_biped.design.evaluation import Evaluation, Quantities, RecordedEval
 from frontal_biped.design.forward_mode import Dual
 from frontal_biped.design.rows import MarginLayout, MarginRow, lay_out
 from frontal_biped.design.tape import computed
-from frontal_biped.design.trust_region_sqp import largest_violation
+from frontal_biped.design.local_model import largest_violation
 from frontal_biped.design.variables import BETA_IMPACT, STEP_WIDTH, VariableLayout
 from frontal_biped.gait.constraints import Constraint, SoleHeights, step_constraints
 from frontal_biped.gait.gait import Gait
