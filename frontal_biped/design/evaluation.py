@@ -64,15 +64,19 @@ class RecordedEvaluation:
 
     def __init__(self, x: FloatArray, quantities: Callable[[Dual], Quantities]) -> None:
         self._tape = Tape()
+        self._at: FloatArray | None = x.copy()
         self._variables = independent(x, self._tape)
         self._found = quantities(self._variables)
         values = [constraint.values for constraint in self._found.constraints]
         self._values = cast("Dual", np.concatenate(values)).block
 
     def move(self, x: FloatArray) -> None:
-        """Go to another point (P,)."""
-        self._variables.value[...] = x
-        self._tape.run()
+        """Go to a point (P,); nothing is to be done where it is already."""
+        if self._at is None or not np.array_equal(self._at, x):
+            self._at = None  # nowhere, should the formulas have no value at x
+            self._variables.value[...] = x
+            self._tape.run()
+            self._at = x.copy()
 
     def evaluation(self, layout: Callable[[Sequence[Constraint]], MarginLayout]) -> Evaluation:
         """At the point where it is.

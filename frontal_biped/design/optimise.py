@@ -241,10 +241,11 @@ class _Design:
 
     def conclude(self, candidate: Candidate) -> DesignResult:
         """The verdict and a simulated step decide whether the candidate is a gait."""
-        assert candidate.closed is not None
-        assert candidate.report is not None
-        gait = candidate.closed.gait(self.problem)
-        judged = judge(self.biped, gait, checked=(candidate.closed.step, candidate.report))
+        closed, report = candidate.closed, candidate.report
+        assert closed is not None
+        assert report is not None
+        gait = closed.gait(self.problem)
+        judged = judge(self.biped, gait, checked=(closed.step, report), quadrature=closed.quadrature)
         if judged.verdict is not Verdict.CERTIFIED:
             reasons = "; ".join(objection.reason for objection in judged.objections)
             message = f"the step found is no certified gait ({judged.verdict.value}): {reasons}"

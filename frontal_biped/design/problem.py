@@ -16,11 +16,11 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.both_phases import BothPhases
 from frontal_biped.design.derivatives import DifferentiableBiped, plane_dynamics
 from frontal_biped.design.ends import Periodic, StepEnds
-from frontal_biped.design.evaluation import Evaluation, Quantities, RecordedEvaluation
+from frontal_biped.design.evaluation import EQUALITY, Evaluation, Quantities, RecordedEvaluation
 from frontal_biped.design.forward_mode import Dual
+from frontal_biped.design.local_model import largest_violation
 from frontal_biped.design.rows import MarginLayout, MarginRow, lay_out
 from frontal_biped.design.tape import computed
-from frontal_biped.design.local_model import largest_violation
 from frontal_biped.design.variables import BETA_IMPACT, STEP_WIDTH, VariableLayout
 from frontal_biped.gait.constraints import Constraint, SoleHeights, step_constraints
 from frontal_biped.gait.gait import Gait
@@ -34,6 +34,7 @@ from frontal_biped.model.stance_map import relabel
 from frontal_biped.numerics.quadrature import reversal_quadrature
 from frontal_biped.virtual_constraints.invariance import (
     FreeParameters,
+    PhaseParameters,
     StepBegin,
     complete,
     falling_parameters,
@@ -42,7 +43,7 @@ from frontal_biped.virtual_constraints.invariance import (
 )
 from frontal_biped.virtual_constraints.phase import Phase
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit
-from frontal_biped.zero_dynamics.poincare import StepOrbit
+from frontal_biped.zero_dynamics.poincare import StepOrbit, step_orbit
 from frontal_biped.zero_dynamics.restricted import TORQUES
 
 FLOOR_Z = 1e-2
@@ -202,6 +203,22 @@ class DesignProblem:
             self._margins = lay_out(constraints, self._distance)
         return self._margins
 
+    def equality(self, x: FloatArray, nodes: int) -> FloatArray:
+        """(e,) the equalities of `evaluate` at x (P,) on other quadrature nodes, without derivatives.
+
+        Raises:
+            UnreachablePoseError: the final pose does not exist.
+            ReversalError: a phase has no range of beta.
+        """
+        phases = self.phases(x)
+        step = step_orbit(self.biped, *phases, float(x[STEP_WIDTH]), nodes)
+        return np.concatenate([self.ends.balance(step), *self.surplus(*phases)]) / EQUALITY
+
+    def surplus(self, rising: Phase | PhaseParameters, falling: Phase | PhaseParameters) -> list[FloatArray]:
+        """Leading coefficients of outputs of a lower degree than the highest, which must vanish [rad]."""
+        degrees = self.specification.degrees
+        return [*_surplus(rising.joint_bezier, degrees), *_surplus(falling.joint_bezier, degrees)]
+
     def phases(self, x: FloatArray) -> tuple[Phase, Phase]:
         """Rising and falling phase at x (P,).
 
@@ -272,12 +289,11 @@ class DesignProblem:
         lifted = above_floor(orbit)
         width = free.step_width
         step = StepOrbit(*self._both.apart(Delta, orbit), landing, width)
-        surplus = [_surplus(phase.joint_bezier, self.specification.degrees) for phase in (rising, falling)]
         return EvaluatedStep(
             step,
             step if lifted is orbit else StepOrbit(*self._both.apart(Delta, lifted), landing, width),
             SoleHeights(*(projection.soles[:, nodes] for nodes in self._both.slices)),
-            [part for parts in surplus for part in parts],
+            self.surplus(rising, falling),
             self._weighted_torques(lifted, width),
             self._holding(lifted),
         )

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.closing import ClosedStep, close_step
+from frontal_biped.design.local_model import largest_violation
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.design.restoration import restored
-from frontal_biped.design.local_model import largest_violation
 from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, minimise
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait.check import ConstraintReport, check_constraints

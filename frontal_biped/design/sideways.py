@@ -371,10 +371,9 @@ def close_steps(problem: TwoStepProblem, x: FloatArray, newton: bool = True) -> 
     biped, phases = problem.biped, problem.phases(x)
     nodes = quadrature_of(biped, phases, problem.widths(x)).nodes
     if newton:
-        x = meet_equalities(problem.on_nodes(nodes), x)
+        x = meet_equalities(problem, x, nodes)
         phases = problem.phases(x)
-    of_steps = zip(phases, problem.widths(x), strict=True)
-    return ClosedSteps(x, phases, TwoSteps(*(step_orbit(biped, *own, width, nodes) for own, width in of_steps)))
+    return ClosedSteps(x, phases, problem.steps(x, phases, nodes))
 
 
 def gait_at(problem: TwoStepProblem, closed: ClosedSteps) -> SidewaysGait:

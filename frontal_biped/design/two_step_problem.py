@@ -11,7 +11,7 @@ from typing import cast
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.evaluation import Evaluation, Quantities, RecordedEvaluation
+from frontal_biped.design.evaluation import EQUALITY, Evaluation, Quantities, RecordedEvaluation
 from frontal_biped.design.forward_mode import Dual
 from frontal_biped.design.problem import (
     FLOOR_Z,
@@ -27,6 +27,7 @@ from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.gait.two_step_constraints import TwoPhases, two_step_constraints
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.invariance import StepBegin, complete_in_turn
+from frontal_biped.zero_dynamics.poincare import step_orbit
 from frontal_biped.zero_dynamics.two_steps import TwoSteps
 
 
@@ -148,6 +149,27 @@ class TwoStepProblem:
         # the mean of J is the sum of the squares of these
         torques = np.sqrt(0.5) * np.concatenate([a.torques, b.torques])
         return Quantities(constraints, cast("Dual", equality), cast("Dual", torques))
+
+    def equality(self, x: FloatArray, nodes: int) -> FloatArray:
+        """(e,) the equalities of `evaluate` at x (2 P - 1,) on other quadrature nodes, without derivatives.
+
+        Raises:
+            UnreachablePoseError: a final pose does not exist.
+            ReversalError: a phase has no range of beta.
+        """
+        phases = self.phases(x)
+        steps = self.steps(x, phases, nodes)
+        surplus = [part for own in phases for part in self.step.surplus(*own)]
+        return np.concatenate([steps.periodicity, *surplus]) / EQUALITY
+
+    def steps(self, x: FloatArray, phases: TwoPhases, nodes: int) -> TwoSteps:
+        """Both steps at x (2 P - 1,), whose phases are known, on so many quadrature nodes a phase.
+
+        Raises:
+            ReversalError: a phase has no range of beta.
+        """
+        of_steps = zip(phases, self.widths(x), strict=True)
+        return TwoSteps(*(step_orbit(self.biped, *own, width, nodes) for own, width in of_steps))
 
     def _layout(self, constraints: Sequence[Constraint]) -> MarginLayout:
         if self._margins is None:
