@@ -37,7 +37,6 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import RobotLike, biped_of
 from frontal_biped.numerics.verdict import Verdict
 from frontal_biped.simulation.walking import simulate
-from frontal_biped.zero_dynamics.poincare import step_orbit
 from frontal_biped.zero_dynamics.two_steps import TwoSteps
 
 STRIDE, SHORTEST = 0.1, 0.0025

@@ -1,4 +1,4 @@
-"""The biped in stance coordinates: dynamics, centre of mass, ground reaction, FRI and soles, all from Pinocchio.
+"""The biped in stance coordinates: dynamics, centre of mass, ground reaction, FRI and soles, from Pinocchio.
 
 Pinned dynamics, stance foot flat and at rest ([O] eq. pinnedmodel):
 
@@ -19,6 +19,7 @@ import pinocchio as pin
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
 from frontal_biped.files.shown import ShownAsPage
+from frontal_biped.model.along_curve import ChainMasses
 from frontal_biped.model.chain import GRAVITY, UPRIGHT
 from frontal_biped.model.many_states import ManyStates
 from frontal_biped.model.robot import Robot
@@ -190,6 +191,11 @@ class FrontalBiped(ShownAsPage):
     def many(self) -> ManyStates:
         """The same dynamics at many states in one call."""
         return ManyStates(self.pinned, self.floating)
+
+    @cached_property
+    def masses(self) -> ChainMasses:
+        """The same dynamics along curves, in closed form, with derivatives."""
+        return ChainMasses(self.chain)
 
     def D(self, q: FloatArray) -> FloatArray:
         """(4, 4) mass matrix [kg m^2]."""
