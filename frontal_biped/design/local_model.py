@@ -178,15 +178,18 @@ class Model:
         """
         margins, equality = at.margins, at.equality
         if shift is not None:
-            of_margins, of_equality = self._slopes
-            margins, equality = margins - of_margins @ shift, equality - of_equality @ shift
+            steepness, steepness_of_equality = self._slopes
+            margins, equality = margins - steepness @ shift, equality - steepness_of_equality @ shift
         answer = self._program.solve(
             np.concatenate([-margins, -equality, equality, box.low, [0.0], -box.high]), expected
         )
         k, e, n = len(margins), len(equality), len(self.scale)
-        of_margins, above, below, at_low, _, at_high = np.split(answer.multipliers, np.cumsum([k, e, e, n, 1]))
+        elastic = k + 2 * e
+        price = answer.multipliers
+        above, below = price[k : k + e], price[k + e : elastic]
+        at_low, at_high = price[elastic : elastic + n], price[elastic + n + 1 :]
         at_bounds = np.where(box.low_is_bound, at_low, 0.0) - np.where(box.high_is_bound, at_high, 0.0)
-        multipliers = Multipliers(of_margins, above - below, at_bounds)
+        multipliers = Multipliers(price[:k], above - below, at_bounds)
         return Step(np.clip(answer.x[:n], box.low, box.high), multipliers, answer.active)
 
 

@@ -137,7 +137,7 @@ class AlongCurve:
     def derivatives(self) -> CurveDerivatives:
         """Of `forces`, by the configuration and its derivatives at the same point."""
         S, p, n = self._S, self.places, self._S.shape[1]
-        of_later, joint = S[0][:, _LATER].conj(), p[0][:, _LATER]
+        of_later, joint = (np.take(points[0], _LATER, axis=1) for points in (S.conj(), p))
         lever = joint.conj()
         lever[:, 1:] -= p[0].conj()[:, :, None]
         W = (lever * S[:, :, None] - of_later * p[:, :, None]).real
@@ -151,9 +151,9 @@ class AlongCurve:
         by_q, by_dq, by_ddq = np.zeros((3, n, ROWS, JOINTS)), np.empty((n, ROWS, JOINTS)), np.empty((n, ROWS, JOINTS))
         by_q[:2, :, 0], by_q[:2, :, 1], by_q[:2, :, 2:] = -S[1:].imag, S[1:].real, W[1:]
         by_q[2, :, 2:] = GRAVITY * of_later.imag
-        by_ddq[:, 0], by_ddq[:, 1], by_ddq[:, 2:] = -S[0].imag, S[0].real, W[0] + own[0][:, _LATER]
+        by_ddq[:, 0], by_ddq[:, 1], by_ddq[:, 2:] = -S[0].imag, S[0].real, W[0] + own[0].take(_LATER, axis=1)
         by_ddq[:, 3:] += np.diag(self._masses.armature)
-        by_dq[:, 0], by_dq[:, 1], by_dq[:, 2:] = -S[1].imag, S[1].real, W[1] + own[1][:, _LATER]
+        by_dq[:, 0], by_dq[:, 1], by_dq[:, 2:] = -S[1].imag, S[1].real, W[1] + own[1].take(_LATER, axis=1)
         by_dq *= 2.0
         return CurveDerivatives(by_q, by_dq, by_ddq)
 

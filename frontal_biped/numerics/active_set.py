@@ -186,7 +186,8 @@ class _Faces:
         gram[:a, :a], gram[a, :a], gram[:a, a], gram[a, a] = self._gram, along, along, size
         self.rows.append(row)
         self._gram, self._N = gram, np.concatenate([self._N, normal[:, None]], axis=1)
-        self._h, self.multipliers = np.append(self._h, offset), np.append(self.multipliers, push)
+        self._h = np.concatenate([self._h, [offset]])
+        self.multipliers = np.concatenate([self.multipliers, [push]])
 
     def polish(self) -> None:
         """Multipliers without what rounding has added up."""
