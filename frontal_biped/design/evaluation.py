@@ -2,8 +2,9 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
-from typing import NamedTuple, cast
+from typing import NamedTuple, Self, cast
 
 import numpy as np
 
@@ -148,6 +149,12 @@ class RecordedProblem(ABC):
     def tightened(self) -> bool:
         """Has any bound been moved inwards?"""
         return bool(self._tightened)
+
+    def untightened(self) -> Self:
+        """The same problem with no bound moved inwards; what was recorded serves both."""
+        other = copy(self)
+        other._tightened, other._margins = {}, None
+        return other
 
     def _layout(self, constraints: Sequence[Constraint]) -> MarginLayout:
         """Rows of margins under the bounds as they are tightened now."""
