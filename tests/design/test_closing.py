@@ -64,7 +64,7 @@ def test_the_nearest_point_is_found(nodes):
 def test_variables_at_their_bounds_stay_there():
     problem, nodes = Circle(), 2
     expected = np.array([nodes**-3.0, 1.0])
-    x = meet_equalities(problem, expected + [MOVED, 0.0], nodes)
+    x = meet_equalities(problem, np.array([expected[0] + MOVED, 1.0]), nodes)
     assert x[1] == 1.0
     assert_close(x, expected, SAME)
 
