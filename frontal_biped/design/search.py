@@ -13,7 +13,7 @@ from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, minimi
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait.check import ConstraintReport, check_constraints
 
-ROUNDS = 10
+ROUNDS = 16
 """Runs of the optimiser from one start, each on nodes or bounds that the dense grid has asked for."""
 
 FINER = 2

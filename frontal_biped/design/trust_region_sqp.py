@@ -24,7 +24,7 @@ GAIN_OF_PENALTY = 0.7
 STEERED = 0.3
 """A step that leaves more than this share of the violation asks whether a larger penalty would leave less."""
 
-CLOSE = 0.2
+CLOSE = 0.1
 """A predicted decrease below this share of the cost is close to the answer; ..."""
 
 GAIN_OF_GAUSS_NEWTON = 0.75

@@ -19,7 +19,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.numerics.least_distance import NoFeasiblePointError, nearest_point
 
 SWEEPS = 20
-"""Changes of the active set per constraint at which the method is given up; it needs less than one."""
+"""Changes of the active set per variable at which the method is given up: rounding; it needs one or two."""
 
 VIOLATED = 1e-11
 """Violation that is not rounding, relative to the bound where that is above one."""
@@ -114,7 +114,7 @@ class ConvexProgram:
     def _by_active_set(self, c: FloatArray, expected: Sequence[int]) -> ActiveSetAnswer:
         edge, missing, expected = c - VIOLATED * np.maximum(1.0, np.abs(c)), c - self._room, list(expected)
         faces = _Faces(self._inverse @ self._C[expected].T, missing[expected], expected)
-        for _ in range(SWEEPS * len(c) + 1):
+        for _ in range(SWEEPS * self._C.shape[1] + 1):
             beyond = self._C @ self._place(faces) - edge
             beyond[faces.rows] = 0.0
             violated = np.flatnonzero(beyond < 0.0)
