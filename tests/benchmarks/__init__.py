@@ -5,15 +5,15 @@ default start, as a ratio to `optimise_gait` in the same run, one thread, median
 
                                                               reference    pelvis within 5 degrees
     optimise_gait: optimiser, dense check, simulated step       1            1
-    the same problem in CasADi with IPOPT, exact Hessian     19.9         26.5
-      of which IPOPT, its derivative graphs already built     4.1          4.2
-    optimiser alone                                           0.63         0.62
-    SciPy SLSQP, our exact gradients                          6.2          4.5
+    the same problem in CasADi with IPOPT, exact Hessian     18.8         15.9
+      of which IPOPT, its derivative graphs already built     3.6          2.7
+    optimiser alone                                           0.64         0.73
+    SciPy SLSQP, our exact gradients                          5.9          3.8
 
 All of these reach the optimum. Of SciPy trust-constr and IPOPT without second derivatives, 60 s each on our gradients,
 only the latter did, and on the second specification alone, when that was last tried. Beside the package of commit
-6097817, least of twenty in turn on a busy machine: a design takes 2.6 and 3.7 times less CPU time, an evaluation with
-all derivatives 2.2 times, a gait of a library (25 neighbours) 2.9 times: 106 ms where it took 311.
+6097817, least of twenty in turn on a busy machine: a design takes 2.7 and 2.8 times less CPU time, an evaluation with
+all derivatives 2.1 times, a gait of a library (25 neighbours) 3.0 times: 92 ms where it took 273.
 `benchmark_starts.py` says how often random starts and random specifications succeed.
 
 **Ticks**, `benchmark_control_tick.py`: one tick at 1 kHz on the Table I robot. Measured beside TSID 1.10 before the
