@@ -22,6 +22,9 @@ CLOSED = 1e-14
 STALLED = 0.5
 """Share of the defect that a step must not leave: what is left is rounding."""
 
+MOVED = 1e-5
+"""Scaled way of the variables up to which the quadrature is as good as it was."""
+
 
 class ClosedStep(NamedTuple):
     """A step on the converged quadrature.
@@ -30,7 +33,7 @@ class ClosedStep(NamedTuple):
         x: (P,) variables.
         phases: rising and falling phase.
         step: the step through the planned reversal.
-        quadrature: its nodes, and what they are worth at the variables before the equalities were taken to rounding.
+        quadrature: its nodes, and what they are worth, measured at these variables or no farther away than `MOVED`.
     """
 
     x: FloatArray
@@ -65,8 +68,10 @@ def close_step(problem: DesignProblem, x: FloatArray, newton: bool = True) -> Cl
     phases = problem.phases(x)
     quadrature = converged_quadrature(biped, *phases, float(x[STEP_WIDTH]))
     if newton:
-        x = meet_equalities(problem, x, quadrature.nodes)
+        before, x = x, meet_equalities(problem, x, quadrature.nodes)
         phases = problem.phases(x)
+        if np.max(np.abs(x - before) / problem.scale()) > MOVED:
+            quadrature = converged_quadrature(biped, *phases, float(x[STEP_WIDTH]))
     step = step_orbit(biped, *phases, float(x[STEP_WIDTH]), quadrature.nodes)
     return ClosedStep(x, phases, step, quadrature)
 

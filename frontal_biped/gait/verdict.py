@@ -85,7 +85,7 @@ def judge(
         specification: bounds to check against; default: those the gait was designed for.
         checked: a step of the gait's phases, and the report on it; used instead of new ones if the step is on the
             quadrature nodes that the gait needs.
-        quadrature: how many that are, and their error, as measured on the gait or on one that differs by rounding;
+        quadrature: how many that are, and their error, as measured on the gait or on one next to it;
             default: measured.
     """
     spec = specification or gait.specification
