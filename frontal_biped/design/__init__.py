@@ -1,8 +1,8 @@
 """Gait design: problem, optimiser, explanation, continuation, transitions, studies.
 
 A design minimises J over 31 variables (hybrid invariance is eliminated; degrees 5 and 3) with exact derivatives:
-forward mode through the closed form. The optimiser is a trust-region SQP with elastic, exactly solved subproblems:
-Gauss-Newton on the sum of squares, then BFGS. What it finds is closed to rounding,
+forward mode through the closed form, Pinocchio's RNEA derivatives underneath. The optimiser is a trust-region SQP with
+elastic, exactly solved subproblems: Gauss-Newton on the sum of squares, then BFGS. What it finds is closed to rounding,
 checked on a grid forty times denser, and simulated for a step in the full model: that is `optimise_gait`. `design_gait`
 has the result walk 20 steps under its walker, in our simulator and in MuJoCo, before it is called a gait, and tightens
 the specification where it falls. Equal input gives equal bytes, whatever the number of threads. The design is not

@@ -1,8 +1,9 @@
-"""Exact derivatives of what a design asks the model, as rules for `Dual` arrays.
+"""Exact derivatives of the calls into Pinocchio, as rules for `Dual` arrays.
 
-Inverse dynamics along a curve and its derivatives are in closed form (`model.along_curve`); no second derivative of the
-model appears. Each node is differentiated by its own q, q', q'' (4 each), and one product per node takes these to the P
-variables. The impact is differentiated with Pinocchio's matrices.
+Inverse dynamics along a curve needs only first derivatives of RNEA without gravity: A = M q' is that at (q, 0, q'),
+B at (q, q', q''). G is what a ground accelerated upwards by g would ask for, a column of M, and its derivative is read
+off M as well. No second derivative of the model appears. Each node is differentiated by its own q, q', q'' (4 each),
+and one product per node takes these to the P variables.
 """
 
 from dataclasses import dataclass
@@ -13,8 +14,8 @@ import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.forward_mode import Dual, chain
+from frontal_biped.design.side_by_side import GROUND, side_by_side
 from frontal_biped.design.tape import computed
-from frontal_biped.model.along_curve import ComplexArray
 from frontal_biped.model.biped import BASE, FrontalBiped
 from frontal_biped.model.impact import landing_jacobian
 from frontal_biped.model.space.plane_masses import PlaneDynamics, PlaneMasses
@@ -23,9 +24,6 @@ from frontal_biped.virtual_constraints.phase import ConstrainedMotion
 from frontal_biped.zero_dynamics.restricted import ProjectedDynamics, RestrictedDynamics
 
 WIDTH = BASE + 4
-
-GROUND = slice(0, BASE)
-"""Rows F_h, F_v, N_0 of inverse dynamics."""
 
 
 class Projection(NamedTuple):
@@ -44,7 +42,7 @@ class DifferentiableBiped:
     """Final pose, impact, projected dynamics and sole heights of a robot, for `Dual` motions."""
 
     def __init__(self, biped: FrontalBiped) -> None:
-        self.biped = biped
+        self.biped, self._many = biped, side_by_side(biped)
         self._weightless = biped.floating.copy()
         self._weightless.gravity.linear = np.zeros(3)
         self._data = self._weightless.createData()
@@ -82,17 +80,24 @@ class DifferentiableBiped:
 
         def block() -> FloatArray:
             at = nodes.at = _NodeVariables.of(motion)
-            along, n = self.biped.masses.along(at.q, at.dq, at.ddq), len(at.q)
-            values, (by_q, by_dq, by_ddq) = along.forces, along.derivatives
-            local = np.zeros((3, n, WIDTH, 10))
-            local[:, :, :, :4] = by_q
-            local[0, :, :, 4:7] = local[1, :, :, 7:] = by_ddq[:, :, 1:]
-            local[1, :, :, 4:7] = by_dq[:, :, 1:]
+            n = len(at.q)
+            # A is inverse dynamics at (q, 0, q'), B at (q, q', q'')
+            found = self._many.at(
+                np.concatenate([at.q, at.q]),
+                np.concatenate([np.zeros_like(at.dq), at.dq]),
+                np.concatenate([at.dq, at.ddq]),
+            )
+            weight = self._many.weight(found.by_ddq[n:])
+            values, local = np.empty((3, WIDTH, n)), np.zeros((3, n, WIDTH, 10))
+            values[0], values[1], values[2] = found.tau[:n].T, found.tau[n:].T, weight.tau.T
+            local[0, :, :, :4], local[1, :, :, :4], local[2, :, :, :4] = found.by_q[:n], found.by_q[n:], weight.by_q
+            local[0, :, :, 4:7] = local[1, :, :, 7:] = found.by_ddq[n:, :, 1:]
+            local[1, :, :, 4:7] = found.by_dq[n:, :, 1:]
             nodes.values, nodes.local = values, local
             rows, by_node = np.empty((n, 11)), np.zeros((n, 11, 10))
             rows[:, :9] = values[:, GROUND].reshape(9, n).T
             by_node[:, :9].reshape(n, 3, BASE, 10)[:] = local[:, :, GROUND].transpose(1, 0, 2, 3)
-            rows[:, 9:], by_node[:, 9:, :4] = self._sole_heights(at.q, along.places[0])
+            rows[:, 9:], by_node[:, 9:, :4] = self._sole_heights(at.q, found.J[n:])
             return at.carried(rows, by_node)
 
         rows = Dual(computed(tape, block), tape)
@@ -100,15 +105,19 @@ class DifferentiableBiped:
         restricted = DifferentiatedDynamics(projected, motion.p_fri, motion.dp_fri, nodes)
         return Projection(restricted, cast("FloatArray", rows[3 * BASE :]))
 
-    def _sole_heights(self, q: FloatArray, places: ComplexArray) -> tuple[FloatArray, FloatArray]:
-        """(n, 2) heights of both ends and (n, 2, 4) derivatives, with the joints at ``places`` (n, 4).
+    def _sole_heights(self, q: FloatArray, J: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(n, 2) heights of both ends and (n, 2, 4) derivatives.
 
-        Turning a joint moves a point by a quarter turn of its lever: up by what it is ahead of the joint.
+        Turning a joint moves a point by a quarter turn of its lever: the columns of J (n, 2, 4), the velocity of the
+        world's origin as if it belonged to the foot, are the vertical and minus the horizontal place of each joint.
         """
-        rotation = self.biped.swing_foot_rotation(q)
-        ends = np.array([-self.biped.chain.sole_inner, self.biped.chain.sole_outer]) - 1j * self.biped.ankle_height
-        ends = places[:, -1:] + np.exp(1j * rotation)[:, None] * ends
-        return ends.imag, ends.real[:, :, None] - places.real[:, None, :]
+        rotation = self.biped.swing_foot_rotation(q)[:, None]
+        h_a = self.biped.ankle_height
+        ends = np.array([-self.biped.chain.sole_inner, self.biped.chain.sole_outer])
+        cos, sin = np.cos(rotation), np.sin(rotation)
+        ankle_h, ankle_v = -J[:, 1, -1:], J[:, 0, -1:]
+        horizontal = ankle_h + cos * ends + sin * h_a
+        return ankle_v + sin * ends - cos * h_a, horizontal[:, :, None] + J[:, None, 1]
 
     def impact(self, q_minus: Dual, dq_minus: Dual) -> Dual:
         """(11,) relabelled dq+ (4), impulse (3), lift-off (2) and touchdown (2) vertical velocities of the soles.
@@ -138,8 +147,7 @@ class DifferentiableBiped:
         solution_q, solution_v = inverse @ right_q, inverse[:, :WIDTH] @ M[:, BASE:]
 
         # vertical velocity of a sole end = that of the ankle + rotation rate * horizontal lever, flat at impact
-        lever = J[1] - 1j * J[0]  # of the swing ankle, from each joint; from the ground point for the third column
-        heights_q = self._sole_heights(q_minus.value[None], (lever[2] - lever[None, BASE:]))[1][0]
+        heights_q = self._sole_heights(q_minus.value[None], data.J[None, :2, BASE:])[1][0]
         rate = float(J[2] @ v_minus)
         rotation = biped.swing_foot_rotation(q_minus.value)
         ends = np.array([-biped.chain.sole_inner, biped.chain.sole_outer])

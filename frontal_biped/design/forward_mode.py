@@ -1,7 +1,7 @@
 """Forward-mode differentiation of array formulas: a value and its derivatives with respect to P variables.
 
 The closed-form zero dynamics is written once, for arrays. Handed `Dual` arrays instead, the same lines yield exact
-derivatives; only what is asked of the model needs rules of its own (`design.derivatives`). What is done is written to
+derivatives; only the calls into Pinocchio need rules of their own (`design.derivatives`). What is done is written to
 the tape of the variables, where they have one (`design.tape`).
 """
 

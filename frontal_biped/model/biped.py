@@ -1,4 +1,4 @@
-"""The biped in stance coordinates: dynamics, centre of mass, ground reaction, FRI and soles, from Pinocchio.
+"""The biped in stance coordinates: dynamics, centre of mass, ground reaction, FRI and soles, all from Pinocchio.
 
 Pinned dynamics, stance foot flat and at rest ([O] eq. pinnedmodel):
 
@@ -19,7 +19,6 @@ import pinocchio as pin
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError
 from frontal_biped.files.shown import ShownAsPage
-from frontal_biped.model.along_curve import ChainMasses
 from frontal_biped.model.chain import GRAVITY, UPRIGHT
 from frontal_biped.model.many_states import ManyStates
 from frontal_biped.model.robot import Robot
@@ -192,11 +191,6 @@ class FrontalBiped(ShownAsPage):
         """The same dynamics at many states in one call."""
         return ManyStates(self.pinned, self.floating)
 
-    @cached_property
-    def masses(self) -> ChainMasses:
-        """The same dynamics along curves, in closed form, with derivatives."""
-        return ChainMasses(self.chain)
-
     def D(self, q: FloatArray) -> FloatArray:
         """(4, 4) mass matrix [kg m^2]."""
         return pin.crba(self.pinned, self._data, q)
@@ -315,16 +309,13 @@ class FrontalBiped(ShownAsPage):
         return Posture(com.item(0), com.item(1), inner.item(1), outer.item(1))
 
     def swing_sole_heights(self, q: FloatArray) -> FloatArray:
-        """(2, n) heights of the inner and the outer end of the swing sole at q (n, 4) [m].
-
-        The height of `swing_sole`, as a sum over the links: Pinocchio would be asked for one state after another.
-        """
-        turned = np.cumsum(q - UPRIGHT, axis=1)  # of leg, pelvis, leg and foot, from the upright reference
-        sin, cos = np.sin(turned), np.cos(turned)
-        along_h, along_v = np.diff(self.chain.joints, axis=0).T
-        ankle = self.ankle_height + sin[:, :3] @ along_h + cos[:, :3] @ along_v
-        sole = ankle - cos[:, 3] * self.ankle_height
-        return np.stack([sole - sin[:, 3] * self.chain.sole_inner, sole + sin[:, 3] * self.chain.sole_outer])
+        """(2, n) heights of the inner and the outer end of the swing sole at q (n, 4) [m]."""
+        inner, outer = (self._data.oMf[frame].translation for frame in self._sole_frames)  # views of Pinocchio's data
+        heights = np.empty((2, len(q)))
+        for i, at in enumerate(q):
+            pin.framesForwardKinematics(self.pinned, self._data, at)
+            heights[0, i], heights[1, i] = inner[1], outer[1]
+        return heights
 
     def swing_sole_jacobian(self, q: FloatArray) -> FloatArray:
         """(2, 2, 4) derivative of `swing_sole` with respect to q: [end, (h, v), joint] [m/rad]."""

@@ -22,6 +22,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
+import numpy as np
+
 from frontal_biped.arrays import FloatArray
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.contract import VirtualConstraints
@@ -47,7 +49,13 @@ class ProjectedDynamics(NamedTuple):
 
 def project_dynamics(biped: FrontalBiped, motion: ConstrainedMotion) -> ProjectedDynamics:
     """Project the full dynamics on a curve q(beta) given with its first two derivatives."""
-    return ProjectedDynamics(*biped.masses.along(motion.q, motion.dq, motion.ddq).forces)
+    q, dq, ddq = motion[:3]
+    # what is asked of inverse dynamics: the weight; dq as an acceleration from rest; the curvature at unit speed
+    none = np.zeros_like(q)
+    velocity, acceleration = np.concatenate([none, none, dq]), np.concatenate([none, dq, ddq])
+    asked = biped.many.inverse_dynamics(np.concatenate([q, q, q]), velocity, acceleration)
+    G, A, B = asked.T.reshape(asked.shape[1], 3, len(q)).swapaxes(0, 1)
+    return ProjectedDynamics(A - G, B - G, G)
 
 
 @dataclass(frozen=True)
