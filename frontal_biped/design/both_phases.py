@@ -13,7 +13,13 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.numerics.quadrature import ReversalQuadrature
 from frontal_biped.virtual_constraints.invariance import PhaseParameters
-from frontal_biped.virtual_constraints.phase import ConstrainedMotion, StepPhase, phase_basis
+from frontal_biped.virtual_constraints.phase import (
+    ConstrainedMotion,
+    PhasePolynomials,
+    StepPhase,
+    constrained_motion,
+    phase_basis,
+)
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit, integrate_from_reversal
 from frontal_biped.zero_dynamics.restricted import ProjectedDynamics, RestrictedDynamics
 
@@ -62,14 +68,20 @@ class BothPhases:
         self._rule = ReversalQuadrature(tau, weights, cast("FloatArray", _OnEach(rule.Q, self.slices)), barycentric)
         self._bases = tuple(phase_basis(degree, fri_degree, s) for s in (1.0 - tau_squared, tau_squared))
         self._phase = np.repeat([0, 1], n)
+        self._sign = np.repeat([phase.sign for phase in StepPhase], n)
 
     def motion(self, rising: PhaseParameters, falling: PhaseParameters) -> tuple[FloatArray, ConstrainedMotion]:
         """(2,) |beta_r- - beta_impact| of the phases [rad], and the robot at the nodes of both."""
         Delta = rising.beta_end - np.stack([rising.beta_start, falling.beta_end])
         beta = rising.beta_end - Delta[self._phase] * self._rule.tau**2
-        of_phases = zip((rising, falling), self._bases, self.slices, strict=True)
-        motions = [phase.motion(basis, beta[nodes]) for phase, basis, nodes in of_phases]
-        return Delta, ConstrainedMotion(*(np.concatenate(parts) for parts in zip(*motions, strict=True)))
+        of_phases = [
+            basis.polynomials(phase.joint_bezier, phase.fri_bezier)
+            for phase, basis in zip((rising, falling), self._bases, strict=True)
+        ]
+        value, first, second = (np.concatenate(parts) for parts in zip(*(of.joints for of in of_phases), strict=True))
+        p_fri, dp_fri = (np.concatenate(parts) for parts in zip(*(of.fri for of in of_phases), strict=True))
+        polynomials = PhasePolynomials((value, first, second), (p_fri, dp_fri))
+        return Delta, constrained_motion(beta, Delta[self._phase] * self._sign, polynomials)
 
     def orbit(self, Delta: FloatArray, motion: ConstrainedMotion, restricted: RestrictedDynamics) -> PhaseOrbit:
         """The orbit through both, by the formulas of one; of what it says, only the sign of dbeta is not the falling's.

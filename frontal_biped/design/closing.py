@@ -8,13 +8,22 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.evaluation import Evaluation
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.design.variables import STEP_WIDTH
-from frontal_biped.gait.gait import Gait, RobotReference, converged_nodes, orbit_numbers
+from frontal_biped.gait.gait import Gait, Quadrature, RobotReference, converged_quadrature, orbit_numbers
 from frontal_biped.gait.robot_path import named_description
 from frontal_biped.virtual_constraints.phase import Phase
 from frontal_biped.zero_dynamics.poincare import StepOrbit, step_orbit
 
-NEWTON_STEPS = 6  # on the periodicity equation; quadratic, from about 1e-8
-CLOSED = 1e-14  # scaled periodicity defect at which they stop: rounding
+CHORD_STEPS = 8
+"""Most steps on the equalities; from about 1e-8, one or two reach rounding."""
+
+CLOSED = 1e-14
+"""Scaled defect at which they stop: rounding."""
+
+STALLED = 0.5
+"""Share of the defect that a step must not leave: what is left is rounding."""
+
+MOVED = 1e-5
+"""Scaled way of the variables up to which the quadrature is as good as it was."""
 
 
 class ClosedStep(NamedTuple):
@@ -24,11 +33,13 @@ class ClosedStep(NamedTuple):
         x: (P,) variables.
         phases: rising and falling phase.
         step: the step through the planned reversal.
+        quadrature: its nodes, and what they are worth, measured at these variables or no farther away than `MOVED`.
     """
 
     x: FloatArray
     phases: tuple[Phase, Phase]
     step: StepOrbit
+    quadrature: Quadrature
 
     def gait(self, problem: DesignProblem) -> Gait:
         """The step as a gait of the problem's robot and specification, without provenance."""
@@ -55,15 +66,18 @@ def close_step(problem: DesignProblem, x: FloatArray, newton: bool = True) -> Cl
     """
     biped = problem.biped
     phases = problem.phases(x)
-    nodes = converged_nodes(biped, *phases, float(x[STEP_WIDTH]))
+    quadrature = converged_quadrature(biped, *phases, float(x[STEP_WIDTH]))
     if newton:
-        x = meet_equalities(problem.on_nodes(nodes), x)
+        before, x = x, meet_equalities(problem, x, quadrature.nodes)
         phases = problem.phases(x)
-    return ClosedStep(x, phases, step_orbit(biped, *phases, float(x[STEP_WIDTH]), nodes))
+        if np.max(np.abs(x - before) / problem.scale()) > MOVED:
+            quadrature = converged_quadrature(biped, *phases, float(x[STEP_WIDTH]))
+    step = step_orbit(biped, *phases, float(x[STEP_WIDTH]), quadrature.nodes)
+    return ClosedStep(x, phases, step, quadrature)
 
 
 class BoundedProblem(Protocol):
-    """What Newton steps on the equalities of a design want of it."""
+    """What steps on the equalities of a design want of it."""
 
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Lower and upper bounds (P,)."""
@@ -74,17 +88,27 @@ class BoundedProblem(Protocol):
     def evaluate(self, x: FloatArray) -> Evaluation:
         """Objective and constraints at x (P,)."""
 
+    def equality(self, x: FloatArray, nodes: int) -> FloatArray:
+        """(e,) the equalities of `evaluate` at x (P,) on other quadrature nodes, without derivatives."""
 
-def meet_equalities(problem: BoundedProblem, x: FloatArray) -> FloatArray:
-    """Newton steps of least length on the equalities."""
+
+def meet_equalities(problem: BoundedProblem, x: FloatArray, nodes: int) -> FloatArray:
+    """The point next to x (P,) where the equalities hold on so many quadrature nodes a phase, but for rounding.
+
+    By Newton steps of least length with the slopes at x on the optimiser's own nodes: they are as good as those on
+    finer ones, and next to the answer as those at any other point.
+    """
     low, high = problem.bounds()
-    for _ in range(NEWTON_STEPS):
-        point = problem.evaluate(x)
-        if np.max(np.abs(point.equality)) < CLOSED:
+    slopes, left = None, np.inf
+    for _ in range(CHORD_STEPS):
+        defect = problem.equality(x, nodes)
+        before, left = left, float(np.max(np.abs(defect)))
+        if left < CLOSED or left > STALLED * before:
             break
-        # variables on or next to their bounds stay where they are
-        room = np.minimum(x - low, high - x)
-        scale = np.where(room > 1e-6 * problem.scale(), problem.scale(), 0.0)
-        rows = point.equality_jacobian * scale
-        x = np.clip(x - scale * np.linalg.lstsq(rows, point.equality, rcond=None)[0], low, high)
+        if slopes is None:
+            # variables on or next to their bounds stay where they are
+            room = np.minimum(x - low, high - x)
+            scale = np.where(room > 1e-6 * problem.scale(), problem.scale(), 0.0)
+            slopes = problem.evaluate(x).equality_jacobian * scale
+        x = np.clip(x - scale * np.linalg.lstsq(slopes, defect, rcond=None)[0], low, high)
     return x

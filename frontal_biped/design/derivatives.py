@@ -88,14 +88,15 @@ class DifferentiableBiped:
                 np.concatenate([at.dq, at.ddq]),
             )
             weight = self._many.weight(found.by_ddq[n:])
-            nodes.values = np.stack([found.tau[:n], found.tau[n:], weight.tau], axis=1)
-            local = nodes.local = np.zeros((n, 3, WIDTH, 10))
-            local[:, 0, :, :4], local[:, 1, :, :4], local[:, 2, :, :4] = found.by_q[:n], found.by_q[n:], weight.by_q
-            local[:, 0, :, 4:7] = local[:, 1, :, 7:] = found.by_ddq[n:, :, 1:]
-            local[:, 1, :, 4:7] = found.by_dq[n:, :, 1:]
+            values, local = np.empty((3, WIDTH, n)), np.zeros((3, n, WIDTH, 10))
+            values[0], values[1], values[2] = found.tau[:n].T, found.tau[n:].T, weight.tau.T
+            local[0, :, :, :4], local[1, :, :, :4], local[2, :, :, :4] = found.by_q[:n], found.by_q[n:], weight.by_q
+            local[0, :, :, 4:7] = local[1, :, :, 7:] = found.by_ddq[n:, :, 1:]
+            local[1, :, :, 4:7] = found.by_dq[n:, :, 1:]
+            nodes.values, nodes.local = values, local
             rows, by_node = np.empty((n, 11)), np.zeros((n, 11, 10))
-            rows[:, :9] = nodes.values[:, :, GROUND].reshape(n, 9)
-            by_node[:, :9] = local[:, :, GROUND].reshape(n, 9, 10)
+            rows[:, :9] = values[:, GROUND].reshape(9, n).T
+            by_node[:, :9].reshape(n, 3, BASE, 10)[:] = local[:, :, GROUND].transpose(1, 0, 2, 3)
             rows[:, 9:], by_node[:, 9:, :4] = self._sole_heights(at.q, found.J[n:])
             return at.carried(rows, by_node)
 
@@ -208,8 +209,8 @@ class _NodeDynamics:
 
     Attributes:
         at: what the nodes are differentiated by.
-        values: (n, 3, 7) A, B, G; rows as in `zero_dynamics.restricted`.
-        local: (n, 3, 7, 10) their derivatives.
+        values: (3, 7, n) A, B, G; rows as in `zero_dynamics.restricted`.
+        local: (3, n, 7, 10) their derivatives.
     """
 
     at: _NodeVariables
@@ -218,13 +219,14 @@ class _NodeDynamics:
 
     def forces(self, acceleration: Dual, squared: Dual) -> FloatArray:
         """(1 + P, 7, n) of w, each node differentiated by ddbeta and dbeta^2 as well before it is carried to all P."""
-        A, B, G = self.values.transpose(1, 0, 2)
-        A_by, B_by, G_by = self.local.transpose(1, 0, 2, 3)
-        a, b = acceleration.value[:, None], squared.value[:, None]
-        local = np.empty((*A.shape, 12))
-        local[:, :, :10] = A_by * a[:, :, None] + B_by * b[:, :, None] + G_by
-        local[:, :, 10], local[:, :, 11] = A, B
-        return self.at.carried(A * a + B * b + G, local, acceleration.derivative, squared.derivative)
+        (A, B, G), (A_by, B_by, G_by) = self.values, self.local
+        a, b = acceleration.value, squared.value
+        local = np.empty((len(a), WIDTH, 12))
+        np.multiply(A_by, a[:, None, None], out=local[:, :, :10])
+        local[:, :, :10] += B_by * b[:, None, None]
+        local[:, :, :10] += G_by
+        local[:, :, 10], local[:, :, 11] = A.T, B.T
+        return self.at.carried((A * a + B * b + G).T, local, acceleration.derivative, squared.derivative)
 
 
 @dataclass(frozen=True)

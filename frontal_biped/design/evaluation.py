@@ -1,19 +1,24 @@
 """Objective and constraints of a design at one point after another, recorded at the first."""
 
-from collections.abc import Callable, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
-from typing import NamedTuple, cast
+from typing import NamedTuple, Self, cast
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.forward_mode import Dual, independent
-from frontal_biped.design.rows import MarginLayout
+from frontal_biped.design.rows import MarginLayout, MarginRow, lay_out
 from frontal_biped.design.tape import Tape
 from frontal_biped.gait.constraints import Constraint
 
 EQUALITY = 0.1
 """Unit of the equalities [rad^2/s^2], [rad]."""
+
+LEAST_TIGHTENING = 1e-7
+"""Least scaled distance that a bound is moved inwards by: what counts as feasible to the optimiser."""
 
 
 @dataclass(frozen=True)
@@ -64,15 +69,19 @@ class RecordedEvaluation:
 
     def __init__(self, x: FloatArray, quantities: Callable[[Dual], Quantities]) -> None:
         self._tape = Tape()
+        self._at: FloatArray | None = x.copy()
         self._variables = independent(x, self._tape)
         self._found = quantities(self._variables)
         values = [constraint.values for constraint in self._found.constraints]
         self._values = cast("Dual", np.concatenate(values)).block
 
     def move(self, x: FloatArray) -> None:
-        """Go to another point (P,)."""
-        self._variables.value[...] = x
-        self._tape.run()
+        """Go to a point (P,); nothing is to be done where it is already."""
+        if self._at is None or not np.array_equal(self._at, x):
+            self._at = None  # nowhere, should the formulas have no value at x
+            self._variables.value[...] = x
+            self._tape.run()
+            self._at = x.copy()
 
     def evaluation(self, layout: Callable[[Sequence[Constraint]], MarginLayout]) -> Evaluation:
         """At the point where it is.
@@ -94,3 +103,65 @@ class RecordedEvaluation:
             margins[0],
             margins[1:].T,
         )
+
+
+class RecordedProblem(ABC):
+    """A design problem at one point after another; its bounds can be moved inwards.
+
+    Args:
+        tighten_by: distance that every scaled constraint keeps from its bound.
+    """
+
+    def __init__(self, tighten_by: float) -> None:
+        self.tighten_by = tighten_by
+        self._tightened: dict[tuple[str, str], float] = {}
+        self._margins: MarginLayout | None = None
+        self._recorded: RecordedEvaluation | None = None
+
+    @abstractmethod
+    def _quantities(self, x: Dual) -> Quantities:
+        """What the design is about, at x (P,)."""
+
+    # a point without an orbit has roots of negative numbers; it is told by its values, not by warnings
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")
+    def evaluate(self, x: FloatArray) -> Evaluation:
+        """Objective and constraints at x (P,), with exact derivatives."""
+        if self._recorded is None:
+            self._recorded = RecordedEvaluation(x, self._quantities)
+        else:
+            self._recorded.move(x)
+        return self._recorded.evaluation(self._layout)
+
+    def rows(self) -> tuple[MarginRow, ...]:
+        """What the margins of the last evaluation mean, in their order."""
+        return () if self._margins is None else self._margins.meaning
+
+    def tighten(self, shortfall: Mapping[tuple[str, str], float]) -> None:
+        """Move bounds inwards by the scaled violations found between the nodes, by code and name of the constraint.
+
+        By a little more, and never by less than an optimiser's rounding: the next violation lies elsewhere.
+        """
+        for key, violation in shortfall.items():
+            self._tightened[key] = self._tightened.get(key, 0.0) + max(1.2 * violation, LEAST_TIGHTENING)
+        self._margins = None
+
+    @property
+    def tightened(self) -> bool:
+        """Has any bound been moved inwards?"""
+        return bool(self._tightened)
+
+    def untightened(self) -> Self:
+        """The same problem with no bound moved inwards; what was recorded serves both."""
+        other = copy(self)
+        other._tightened, other._margins = {}, None
+        return other
+
+    def _layout(self, constraints: Sequence[Constraint]) -> MarginLayout:
+        """Rows of margins under the bounds as they are tightened now."""
+        if self._margins is None:
+            self._margins = lay_out(constraints, self._distance)
+        return self._margins
+
+    def _distance(self, constraint: Constraint) -> float:
+        """What a constraint keeps from its bounds, in units of its scale."""
+        return self.tighten_by + self._tightened.get((constraint.code, constraint.name), 0.0)

@@ -1,7 +1,7 @@
 """Design a gait: search from one or several starts, simulate a step of what was found, or explain why there is none."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -148,10 +148,12 @@ def optimise_gait(
         raise SpecificationError(f"attempts = {attempts} is below 1; a design needs a start")
     began = time.perf_counter()
     design = _Design(biped, spec, column_reach, on_progress, start)
-    candidates = design.given()
+    candidates: list[Candidate] = []
     for number, x in enumerate(design.starts(attempts)):
-        if number >= attempts and (not fall_back or any(candidate.good for candidate in candidates)):
-            break  # the default start only stands in for a start that led nowhere
+        if number >= attempts:
+            candidates = design.given(candidates) + candidates
+            if not fall_back or any(candidate.good for candidate in candidates):
+                break  # the default start only stands in for a start that led nowhere
         candidates.append(design.run(x))
     if fall_back and not any(candidate.good for candidate in candidates):
         candidates += design.rescue()
@@ -208,19 +210,27 @@ class _Design:
         if self.start is not None:
             yield default
 
-    def given(self) -> list[Candidate]:
-        """The start itself where it keeps every bound: the optimiser may lose it, or end dearer."""
+    def given(self, others: Sequence[Candidate]) -> list[Candidate]:
+        """The start itself where it keeps every bound: the optimiser may lose it, or end dearer.
+
+        Args:
+            others: what the optimiser has found; where one of these is a gait and cheaper, the start need not be one.
+        """
         if self.start is None:
             return []
+        x = np.clip(self.start, *self.problem.bounds())
         try:
-            candidate = self.search.as_it_is(self.problem, np.clip(self.start, *self.problem.bounds()))
+            cost = self.problem.evaluate(x).cost
+            if any(other.good and other.figure < cost for other in others):
+                return []
+            candidate = self.search.as_it_is(self.problem, x)
         except UnreachablePoseError:
             return []
         return [candidate] if candidate.good else []
 
     def run(self, x: FloatArray) -> Candidate:
         """The cheapest step in reach of x."""
-        return self.search.cheapest(self._problem(self.spec), x)
+        return self.search.cheapest(self.problem.untightened(), x)
 
     def rescue(self) -> list[Candidate]:
         """Before a specification is called impossible: look for any step from a few more starts, and go on from there.
@@ -241,10 +251,11 @@ class _Design:
 
     def conclude(self, candidate: Candidate) -> DesignResult:
         """The verdict and a simulated step decide whether the candidate is a gait."""
-        assert candidate.closed is not None
-        assert candidate.report is not None
-        gait = candidate.closed.gait(self.problem)
-        judged = judge(self.biped, gait, checked=(candidate.closed.step, candidate.report))
+        closed, report = candidate.closed, candidate.report
+        assert closed is not None
+        assert report is not None
+        gait = closed.gait(self.problem)
+        judged = judge(self.biped, gait, checked=(closed.step, report), quadrature=closed.quadrature)
         if judged.verdict is not Verdict.CERTIFIED:
             reasons = "; ".join(objection.reason for objection in judged.objections)
             message = f"the step found is no certified gait ({judged.verdict.value}): {reasons}"

@@ -5,7 +5,6 @@ the one equality left is periodicity, Z(beta_r-) = 0, with beta_r- a decision va
 quadrature nodes from the reversal with exact derivatives.
 """
 
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import ClassVar, NamedTuple, cast
@@ -16,11 +15,10 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.both_phases import BothPhases
 from frontal_biped.design.derivatives import DifferentiableBiped, plane_dynamics
 from frontal_biped.design.ends import Periodic, StepEnds
-from frontal_biped.design.evaluation import Evaluation, Quantities, RecordedEvaluation
+from frontal_biped.design.evaluation import EQUALITY, Quantities, RecordedProblem
 from frontal_biped.design.forward_mode import Dual
-from frontal_biped.design.rows import MarginLayout, MarginRow, lay_out
+from frontal_biped.design.local_model import largest_violation
 from frontal_biped.design.tape import computed
-from frontal_biped.design.trust_region_sqp import largest_violation
 from frontal_biped.design.variables import BETA_IMPACT, STEP_WIDTH, VariableLayout
 from frontal_biped.gait.constraints import Constraint, SoleHeights, step_constraints
 from frontal_biped.gait.gait import Gait
@@ -34,6 +32,7 @@ from frontal_biped.model.stance_map import relabel
 from frontal_biped.numerics.quadrature import reversal_quadrature
 from frontal_biped.virtual_constraints.invariance import (
     FreeParameters,
+    PhaseParameters,
     StepBegin,
     complete,
     falling_parameters,
@@ -42,7 +41,7 @@ from frontal_biped.virtual_constraints.invariance import (
 )
 from frontal_biped.virtual_constraints.phase import Phase
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit
-from frontal_biped.zero_dynamics.poincare import StepOrbit
+from frontal_biped.zero_dynamics.poincare import StepOrbit, step_orbit
 from frontal_biped.zero_dynamics.restricted import TORQUES
 
 FLOOR_Z = 1e-2
@@ -55,11 +54,8 @@ COLUMN_REACH = 3.0
 ANGLE_REACH = 0.15
 """How far beta_r- and beta_f- may be from those of the start [rad]."""
 
-LEAST_TIGHTENING = 1e-7
-"""Least scaled distance that a bound is moved inwards by: what counts as feasible to the optimiser."""
 
-
-class DesignProblem:
+class DesignProblem(RecordedProblem):
     """Objective, constraints, bounds and start of one design.
 
     Its variables are those of `VariableLayout`.
@@ -92,6 +88,7 @@ class DesignProblem:
         column_reach: float = COLUMN_REACH,
         within: FloatArray | None = None,
     ) -> None:
+        super().__init__(tighten_by)
         self.biped = biped
         self.specification = specification
         self.ends: StepEnds = Periodic(biped, specification) if ends is None else ends
@@ -106,10 +103,6 @@ class DesignProblem:
         self._both = BothPhases(self.rule, M, F)
         self.layout = VariableLayout(M, F)
         self.size = self.layout.size
-        self.tighten_by = tighten_by
-        self._tightened: dict[tuple[str, str], float] = {}
-        self._margins: MarginLayout | None = None
-        self._recorded: RecordedEvaluation | None = None
 
     def on_nodes(self, size: int, tighten_by: float = 0.0) -> "DesignProblem":
         """The same problem on ``size`` quadrature nodes a phase, tightened by no more than ``tighten_by``."""
@@ -170,16 +163,6 @@ class DesignProblem:
         return min((np.clip(x, low, high) for x in tried), key=defect)
 
     # ------------------------------------------------------------------ evaluation
-    # a point without an orbit has roots of negative numbers; it is told by its values, not by warnings
-    @np.errstate(over="ignore", invalid="ignore", divide="ignore")
-    def evaluate(self, x: FloatArray) -> Evaluation:
-        """Objective and constraints at x (P,), with exact derivatives."""
-        if self._recorded is None:
-            self._recorded = RecordedEvaluation(x, self._quantities)
-        else:
-            self._recorded.move(x)
-        return self._recorded.evaluation(self._layout)
-
     def _quantities(self, x: Dual) -> Quantities:
         free, q_minus, landing = self.landing(x)
         departure = self.ends.departure
@@ -196,11 +179,21 @@ class DesignProblem:
         balance = np.stack(self.ends.balance(found.step))
         return Quantities(constraints, cast("Dual", np.concatenate([balance, *found.surplus])), found.torques)
 
-    def _layout(self, constraints: Sequence[Constraint]) -> MarginLayout:
-        """Rows of margins under the bounds as they are tightened now."""
-        if self._margins is None:
-            self._margins = lay_out(constraints, self._distance)
-        return self._margins
+    def equality(self, x: FloatArray, nodes: int) -> FloatArray:
+        """(e,) the equalities of `evaluate` at x (P,) on other quadrature nodes, without derivatives.
+
+        Raises:
+            UnreachablePoseError: the final pose does not exist.
+            ReversalError: a phase has no range of beta.
+        """
+        phases = self.phases(x)
+        step = step_orbit(self.biped, *phases, float(x[STEP_WIDTH]), nodes)
+        return np.concatenate([self.ends.balance(step), *self.surplus(*phases)]) / EQUALITY
+
+    def surplus(self, rising: Phase | PhaseParameters, falling: Phase | PhaseParameters) -> list[FloatArray]:
+        """Leading coefficients of outputs of a lower degree than the highest, which must vanish [rad]."""
+        degrees = self.specification.degrees
+        return [*_surplus(rising.joint_bezier, degrees), *_surplus(falling.joint_bezier, degrees)]
 
     def phases(self, x: FloatArray) -> tuple[Phase, Phase]:
         """Rising and falling phase at x (P,).
@@ -216,28 +209,6 @@ class DesignProblem:
         """The impact that the step begins with, where it is not the one it ends with."""
         departure = self.ends.departure
         return departure and departure.landing
-
-    def _distance(self, constraint: Constraint) -> float:
-        """What a constraint keeps from its bounds, in units of its scale."""
-        return self.tighten_by + self._tightened.get((constraint.code, constraint.name), 0.0)
-
-    def rows(self) -> tuple[MarginRow, ...]:
-        """What the margins of the last evaluation mean, in their order."""
-        return () if self._margins is None else self._margins.meaning
-
-    def tighten(self, shortfall: Mapping[tuple[str, str], float]) -> None:
-        """Move bounds inwards by the scaled violations found between the nodes, by code and name of the constraint.
-
-        By a little more, and never by less than an optimiser's rounding: the next violation lies elsewhere.
-        """
-        for key, violation in shortfall.items():
-            self._tightened[key] = self._tightened.get(key, 0.0) + max(1.2 * violation, LEAST_TIGHTENING)
-        self._margins = None
-
-    @property
-    def tightened(self) -> bool:
-        """Has any bound been moved inwards?"""
-        return bool(self._tightened)
 
     def _holding(self, lifted: PhaseOrbit) -> StepHolding | None:
         """What the ground must hold at the nodes of both phases, where the specification bounds it."""
@@ -272,12 +243,11 @@ class DesignProblem:
         lifted = above_floor(orbit)
         width = free.step_width
         step = StepOrbit(*self._both.apart(Delta, orbit), landing, width)
-        surplus = [_surplus(phase.joint_bezier, self.specification.degrees) for phase in (rising, falling)]
         return EvaluatedStep(
             step,
             step if lifted is orbit else StepOrbit(*self._both.apart(Delta, lifted), landing, width),
             SoleHeights(*(projection.soles[:, nodes] for nodes in self._both.slices)),
-            [part for parts in surplus for part in parts],
+            self.surplus(rising, falling),
             self._weighted_torques(lifted, width),
             self._holding(lifted),
         )

@@ -6,7 +6,7 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.evaluation import Evaluation
-from frontal_biped.design.trust_region_sqp import largest_violation
+from frontal_biped.design.local_model import largest_violation
 from frontal_biped.exceptions import UnreachablePoseError
 
 WORKABLE = 30.0

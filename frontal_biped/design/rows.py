@@ -70,10 +70,11 @@ def lay_out(constraints: Sequence[Constraint], distance: Callable[[Constraint], 
         kept = constraint.sides(distance(constraint))
         for (bound, sign), (asked, _) in zip(kept, constraint.sides(), strict=True):
             picks.append(picked)
-            bounds.append(np.full(len(picked), bound))
-            factors.append(np.full(len(picked), sign / constraint.scale))
+            bounds.append(bound)
+            factors.append(sign / constraint.scale)
             code, name, unit, scale = constraint.code, constraint.name, constraint.unit, constraint.scale
             entries, row = slice(row, row + len(picked)), row + len(picked)
             key = constraint.keys[0 if sign > 0.0 else 1]
             meaning.append(MarginRow(code, name, key, unit, asked, abs(bound - asked) / scale, scale, entries))
-    return MarginLayout(np.concatenate(picks), np.concatenate(bounds), np.concatenate(factors), tuple(meaning))
+    sizes = [len(picked) for picked in picks]
+    return MarginLayout(np.concatenate(picks), np.repeat(bounds, sizes), np.repeat(factors, sizes), tuple(meaning))

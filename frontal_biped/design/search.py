@@ -6,13 +6,14 @@ from typing import NamedTuple
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.closing import ClosedStep, close_step
+from frontal_biped.design.local_model import largest_violation
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.design.restoration import restored
-from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, largest_violation, minimise
+from frontal_biped.design.trust_region_sqp import SqpResult, SqpSettings, minimise
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait.check import ConstraintReport, check_constraints
 
-ROUNDS = 10
+ROUNDS = 16
 """Runs of the optimiser from one start, each on nodes or bounds that the dense grid has asked for."""
 
 FINER = 2

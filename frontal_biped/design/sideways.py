@@ -37,7 +37,6 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import RobotLike, biped_of
 from frontal_biped.numerics.verdict import Verdict
 from frontal_biped.simulation.walking import simulate
-from frontal_biped.zero_dynamics.poincare import step_orbit
 from frontal_biped.zero_dynamics.two_steps import TwoSteps
 
 STRIDE, SHORTEST = 0.1, 0.0025
@@ -371,10 +370,9 @@ def close_steps(problem: TwoStepProblem, x: FloatArray, newton: bool = True) -> 
     biped, phases = problem.biped, problem.phases(x)
     nodes = quadrature_of(biped, phases, problem.widths(x)).nodes
     if newton:
-        x = meet_equalities(problem.on_nodes(nodes), x)
+        x = meet_equalities(problem, x, nodes)
         phases = problem.phases(x)
-    of_steps = zip(phases, problem.widths(x), strict=True)
-    return ClosedSteps(x, phases, TwoSteps(*(step_orbit(biped, *own, width, nodes) for own, width in of_steps)))
+    return ClosedSteps(x, phases, problem.steps(x, phases, nodes))
 
 
 def gait_at(problem: TwoStepProblem, closed: ClosedSteps) -> SidewaysGait:

@@ -5,20 +5,14 @@ other one. So is the travel, which leaves one step width. The two equalities tha
 the two impacts, with both reversals as decision variables. Everything of one step is `DesignProblem`'s.
 """
 
-from collections.abc import Mapping, Sequence
 from typing import cast
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.evaluation import Evaluation, Quantities, RecordedEvaluation
+from frontal_biped.design.evaluation import EQUALITY, Quantities, RecordedProblem
 from frontal_biped.design.forward_mode import Dual
-from frontal_biped.design.problem import (
-    FLOOR_Z,
-    LEAST_TIGHTENING,
-    DesignProblem,
-)
-from frontal_biped.design.rows import MarginLayout, lay_out
+from frontal_biped.design.problem import FLOOR_Z, DesignProblem
 from frontal_biped.design.two_step_start import carried_over
 from frontal_biped.design.variables import STEP_WIDTH
 from frontal_biped.gait.constraints import STEP_WIDTH as WIDTH_CONSTRAINT
@@ -27,10 +21,11 @@ from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.gait.two_step_constraints import TwoPhases, two_step_constraints
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.invariance import StepBegin, complete_in_turn
+from frontal_biped.zero_dynamics.poincare import step_orbit
 from frontal_biped.zero_dynamics.two_steps import TwoSteps
 
 
-class TwoStepProblem:
+class TwoStepProblem(RecordedProblem):
     """Objective, constraints, bounds and start of one design.
 
     Its variables (2 P - 1,) are those of step B in the order of `VariableLayout`, then those of step A without its
@@ -46,16 +41,14 @@ class TwoStepProblem:
     def __init__(
         self, biped: FrontalBiped, specification: GaitSpecification, size: int, tighten_by: float = 0.0
     ) -> None:
-        self.biped, self.specification, self.tighten_by = biped, specification, tighten_by
+        super().__init__(tighten_by)
+        self.biped, self.specification = biped, specification
         self.travel = specification.travel or 0.0
         self.step = DesignProblem(biped, specification, size)
         P = self.step.size
         self.size = 2 * P - 1
         self._of_b = np.arange(P)
         self._of_a = np.insert(np.arange(P, self.size), STEP_WIDTH, STEP_WIDTH)
-        self._tightened: dict[tuple[str, str], float] = {}
-        self._margins: MarginLayout | None = None
-        self._recorded: RecordedEvaluation | None = None
 
     def on_nodes(self, size: int, tighten_by: float = 0.0) -> "TwoStepProblem":
         """The same problem on ``size`` quadrature nodes a phase, tightened by no more than ``tighten_by``."""
@@ -118,16 +111,6 @@ class TwoStepProblem:
         return np.clip(self.joined(layout.pack(a), layout.pack(b)), low, high)
 
     # ------------------------------------------------------------------ evaluation
-    # a point without an orbit has roots of negative numbers; it is told by its values, not by warnings
-    @np.errstate(over="ignore", invalid="ignore", divide="ignore")
-    def evaluate(self, x: FloatArray) -> Evaluation:
-        """Objective and constraints at x (2 P - 1,), with exact derivatives."""
-        if self._recorded is None:
-            self._recorded = RecordedEvaluation(x, self._quantities)
-        else:
-            self._recorded.move(x)
-        return self._recorded.evaluation(self._layout)
-
     def _quantities(self, x: Dual) -> Quantities:
         both = self.split(cast("FloatArray", x))
         free, poses, landings = zip(*(self.step.landing(cast("Dual", one)) for one in both), strict=True)
@@ -149,10 +132,26 @@ class TwoStepProblem:
         torques = np.sqrt(0.5) * np.concatenate([a.torques, b.torques])
         return Quantities(constraints, cast("Dual", equality), cast("Dual", torques))
 
-    def _layout(self, constraints: Sequence[Constraint]) -> MarginLayout:
-        if self._margins is None:
-            self._margins = lay_out(constraints, self._distance)
-        return self._margins
+    def equality(self, x: FloatArray, nodes: int) -> FloatArray:
+        """(e,) the equalities of `evaluate` at x (2 P - 1,) on other quadrature nodes, without derivatives.
+
+        Raises:
+            UnreachablePoseError: a final pose does not exist.
+            ReversalError: a phase has no range of beta.
+        """
+        phases = self.phases(x)
+        steps = self.steps(x, phases, nodes)
+        surplus = [part for own in phases for part in self.step.surplus(*own)]
+        return np.concatenate([steps.periodicity, *surplus]) / EQUALITY
+
+    def steps(self, x: FloatArray, phases: TwoPhases, nodes: int) -> TwoSteps:
+        """Both steps at x (2 P - 1,), whose phases are known, on so many quadrature nodes a phase.
+
+        Raises:
+            ReversalError: a phase has no range of beta.
+        """
+        of_steps = zip(phases, self.widths(x), strict=True)
+        return TwoSteps(*(step_orbit(self.biped, *own, width, nodes) for own, width in of_steps))
 
     def phases(self, x: FloatArray) -> TwoPhases:
         """Phases of both steps at x (2 P - 1,).
@@ -162,18 +161,3 @@ class TwoStepProblem:
         """
         a, b = self.split(x)
         return TwoPhases(*complete_in_turn(self.biped, self.step.unpack(a), self.step.unpack(b)))
-
-    # ------------------------------------------------------------------ tightening
-    def _distance(self, constraint: Constraint) -> float:
-        return self.tighten_by + self._tightened.get((constraint.code, constraint.name), 0.0)
-
-    def tighten(self, shortfall: Mapping[tuple[str, str], float]) -> None:
-        """Move bounds inwards by the scaled violations found between the nodes, as `DesignProblem.tighten`."""
-        for key, violation in shortfall.items():
-            self._tightened[key] = self._tightened.get(key, 0.0) + max(1.2 * violation, LEAST_TIGHTENING)
-        self._margins = None
-
-    @property
-    def tightened(self) -> bool:
-        """Has any bound been moved inwards?"""
-        return bool(self._tightened)

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from frontal_biped.gait.check import ConstraintReport, check_constraints
-from frontal_biped.gait.gait import QUADRATURE_ACCURACY, Gait, converged_quadrature
+from frontal_biped.gait.gait import QUADRATURE_ACCURACY, Gait, Quadrature, converged_quadrature
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.numerics.verdict import Verdict, below, together
@@ -75,6 +75,7 @@ def judge(
     specification: GaitSpecification | None = None,
     *,
     checked: tuple[StepOrbit, ConstraintReport] | None = None,
+    quadrature: Quadrature | None = None,
 ) -> GaitVerdict:
     """Decide whether a gait is one.
 
@@ -84,14 +85,16 @@ def judge(
         specification: bounds to check against; default: those the gait was designed for.
         checked: a step of the gait's phases, and the report on it; used instead of new ones if the step is on the
             quadrature nodes that the gait needs.
+        quadrature: how many that are, and their error, as measured on the gait or on one next to it;
+            default: measured.
     """
     spec = specification or gait.specification
     phases = gait.rising, gait.falling
-    nodes, error = converged_quadrature(biped, *phases, gait.step_width)
-    step = step_orbit(biped, *phases, gait.step_width, nodes)
-    if checked is not None and len(checked[0].rising.tau) == len(step.rising.tau):
+    nodes, error = quadrature or converged_quadrature(biped, *phases, gait.step_width)
+    if checked is not None and len(checked[0].rising.tau) == nodes:
         step, report = checked
     else:
+        step = step_orbit(biped, *phases, gait.step_width, nodes)
         report = check_constraints(biped, spec, *phases, step)
     residuals = gait.residuals(biped, step)
     reversal = analyse_reversal(ReversalProblem.of_phases(biped, *phases, gait.step_width, nodes))

@@ -9,7 +9,6 @@ tolerance on the answer: it solves the linear system of its active constraints, 
 """
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +19,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.numerics.least_distance import NoFeasiblePointError, nearest_point
 
 SWEEPS = 20
-"""Changes of the active set per constraint at which the method is given up; it needs less than one."""
+"""Changes of the active set per variable at which the method is given up: rounding; it needs one or two."""
 
 VIOLATED = 1e-11
 """Violation that is not rounding, relative to the bound where that is above one."""
@@ -75,13 +74,20 @@ class ConvexProgram:
         self._C, self._inverse = C, np.linalg.inv(L)
         self._lowest = -self._inverse.T @ (self._inverse @ g)
         self._room = C @ self._lowest
+        self._lengths = np.full(len(C), np.nan)
 
-    @cached_property
-    def _steepness(self) -> FloatArray:
-        """(k,) by how much a constraint's value grows per unit of y, the lengths of the normals."""
-        squares = _product(self._inverse, self._C.T)
-        squares *= squares
-        return np.sqrt(np.maximum(squares.sum(axis=0), TINY))
+    def _steepness(self, rows: NDArray[np.intp]) -> FloatArray:
+        """(a,) by how much the value of a constraint grows per unit of y, the lengths of the normals.
+
+        Args:
+            rows: (a,) which constraints; few are ever violated, and the others are not asked about.
+        """
+        unknown = rows[np.isnan(self._lengths[rows])]
+        if len(unknown):
+            squares = _product(self._inverse, self._C[unknown].T)
+            squares *= squares
+            self._lengths[unknown] = np.sqrt(np.maximum(squares.sum(axis=0), TINY))
+        return self._lengths[rows]
 
     def solve(self, c: FloatArray, expected: Sequence[int] = ()) -> ActiveSetAnswer:
         """Solve for one set of bounds.
@@ -108,15 +114,16 @@ class ConvexProgram:
     def _by_active_set(self, c: FloatArray, expected: Sequence[int]) -> ActiveSetAnswer:
         edge, missing, expected = c - VIOLATED * np.maximum(1.0, np.abs(c)), c - self._room, list(expected)
         faces = _Faces(self._inverse @ self._C[expected].T, missing[expected], expected)
-        for _ in range(SWEEPS * len(c) + 1):
+        for _ in range(SWEEPS * self._C.shape[1] + 1):
             beyond = self._C @ self._place(faces) - edge
             beyond[faces.rows] = 0.0
-            if np.min(beyond, initial=0.0) >= 0.0:
+            violated = np.flatnonzero(beyond < 0.0)
+            if not len(violated):
                 faces.polish()
                 multipliers = np.zeros(len(c))
                 multipliers[faces.rows] = faces.multipliers
                 return ActiveSetAnswer(self._place(faces), multipliers, tuple(faces.rows))
-            farthest = int(np.argmin(beyond / self._steepness))
+            farthest = int(violated[np.argmin(beyond[violated] / self._steepness(violated))])
             faces.add(farthest, self._inverse @ self._C[farthest], float(missing[farthest]))
         raise NoFeasiblePointError("the active-set method did not end")
 
@@ -179,7 +186,8 @@ class _Faces:
         gram[:a, :a], gram[a, :a], gram[:a, a], gram[a, a] = self._gram, along, along, size
         self.rows.append(row)
         self._gram, self._N = gram, np.concatenate([self._N, normal[:, None]], axis=1)
-        self._h, self.multipliers = np.append(self._h, offset), np.append(self.multipliers, push)
+        self._h = np.concatenate([self._h, [offset]])
+        self.multipliers = np.concatenate([self.multipliers, [push]])
 
     def polish(self) -> None:
         """Multipliers without what rounding has added up."""

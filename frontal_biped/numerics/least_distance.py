@@ -14,7 +14,7 @@ from scipy.optimize import nnls
 from frontal_biped.arrays import FloatArray
 
 SWEEPS = 20
-"""Iterations of the active-set method per constraint at which it is given up; it needs less than one."""
+"""Iterations of the active-set method per constraint that can be active at which it is given up; it needs some two."""
 
 EMPTY = 1e-14
 """1 / (1 + d^2), d the distance of the polyhedron from the origin, below which it is taken for empty."""
@@ -47,7 +47,7 @@ def nearest_point(G: FloatArray, h: FloatArray) -> FloatArray:
     target = np.zeros(n + 1)
     target[n] = 1.0
     try:
-        weights, distance = nnls(E, target, maxiter=SWEEPS * max(n + 1, k))
+        weights, distance = nnls(E, target, maxiter=SWEEPS * (n + 1))
     except RuntimeError as error:
         raise UndecidedError("the active-set method did not end") from error
     inside = distance * distance  # = 1 - h'weights, but without its rounding where it is small; 0: there is no point

@@ -18,7 +18,7 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import UPRIGHT
 from frontal_biped.model.impact import impact
 from frontal_biped.model.stance_map import relabel
-from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase, PhaseBasis, constrained_motion
+from frontal_biped.virtual_constraints.phase import Phase
 
 
 def double_support_pose(biped: FrontalBiped, beta: FloatArray | float, step_width: FloatArray | float) -> FloatArray:
@@ -103,10 +103,6 @@ class PhaseParameters(NamedTuple):
     beta_end: float
     joint_bezier: FloatArray
     fri_bezier: FloatArray
-
-    def motion(self, basis: PhaseBasis, beta: FloatArray) -> ConstrainedMotion:
-        """The robot on these virtual constraints at beta (n,) [rad], the basis taken at the matching s."""
-        return constrained_motion(basis, beta, self.beta_end - self.beta_start, self.joint_bezier, self.fri_bezier)
 
 
 def rising_parameters(free: FreeParameters, q_minus: FloatArray, slope_plus: FloatArray) -> PhaseParameters:

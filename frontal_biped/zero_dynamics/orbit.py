@@ -113,8 +113,10 @@ def integrate_from_reversal(
     Returns:
         The orbit at the nodes.
     """
-    exponent = (-2.0 * Delta) * rule.tau**2 * (rule.Q @ restricted.rate)
-    z = (-2.0 * Delta) * np.exp(exponent) * (rule.Q @ (np.exp(-exponent) * restricted.drive))
+    way = -2.0 * Delta
+    exponent = way * rule.tau**2 * (rule.Q @ restricted.rate)
+    growth = np.exp(exponent)
+    z = way * growth * (rule.Q @ (restricted.drive / growth))
     return PhaseOrbit(rule.tau, rule.weights, kind, Delta, motion, restricted, exponent, z)
 
 

@@ -8,11 +8,13 @@ import pytest
 from random_bipeds import random_case
 
 from frontal_biped.design import optimise_gait
+from frontal_biped.design.evaluation import LEAST_TIGHTENING
 from frontal_biped.design.explanation import Conflict, conflicts
+from frontal_biped.design.local_model import Multipliers
 from frontal_biped.design.optimise import OPTIMISER_NODES, SAFETY
-from frontal_biped.design.problem import ANGLE_REACH, LEAST_TIGHTENING, DesignProblem
+from frontal_biped.design.problem import ANGLE_REACH, DesignProblem
 from frontal_biped.design.search import WORTH_FINER, WORTH_FINEST, Candidate, Search
-from frontal_biped.design.trust_region_sqp import Multipliers, SqpResult
+from frontal_biped.design.trust_region_sqp import SqpResult
 from frontal_biped.gait import GaitSpecification
 from frontal_biped.gait.check import ROUNDING
 

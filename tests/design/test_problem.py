@@ -93,9 +93,27 @@ def test_every_point_is_evaluated_as_if_it_were_the_first(problem):
         assert same_digits(problem.evaluate(x), fresh(x))
     beyond = problem.start()
     beyond[2] = 10.0
-    with pytest.raises(UnreachablePoseError):
-        problem.evaluate(beyond)
+    for _ in range(2):
+        with pytest.raises(UnreachablePoseError):
+            problem.evaluate(beyond)
     assert same_digits(problem.evaluate(x), fresh(x))
+
+
+def test_untightened_bounds_are_the_first_ones(biped):
+    """Both problems go from point to point on one recording, and neither moves the other's bounds."""
+    problem = DesignProblem(biped, GaitSpecification(), NODES)
+    x = problem.start()
+    before = problem.evaluate(x)
+    row = problem.rows()[0]
+    problem.tighten({(row.code, row.name): 1e-3})
+    other = problem.untightened()
+    assert problem.tightened and not other.tightened
+    problem.evaluate(x + 0.01 * problem.scale())
+    assert same_digits(other.evaluate(x), before)
+    moved = problem.evaluate(x).margins - before.margins
+    assert np.all(moved[row.entries] < 0.0)
+    other.tighten({(row.code, row.name): 1e-2})
+    np.testing.assert_array_equal(problem.evaluate(x).margins - before.margins, moved)
 
 
 def test_an_evaluation_keeps_its_numbers(problem):

@@ -10,7 +10,7 @@ import pytest
 from frontal_biped.analysis.closed_form import analyze
 from frontal_biped.design.optimise import optimise_gait
 from frontal_biped.gait.file import gait_from_dict, gait_to_dict, load_gait
-from frontal_biped.gait.gait import Gait, orbit_numbers
+from frontal_biped.gait.gait import Gait, Quadrature, orbit_numbers
 from frontal_biped.gait.verdict import RESIDUAL_BOUND, Objection, judge
 from frontal_biped.model.catalogue import load_robot
 from frontal_biped.numerics.verdict import Verdict
@@ -101,6 +101,14 @@ def test_a_step_at_hand_gives_the_same_verdict(biped, reference_gait):
     coarse = judge(biped, reference_gait, checked=(reference_gait.step(biped, fresh.nodes - 8), fresh.constraints))
     assert len(coarse.step.rising.tau) == fresh.nodes  # a step on other nodes is not the gait's
     assert coarse.residuals == fresh.residuals
+
+
+def test_a_quadrature_at_hand_gives_the_same_verdict(biped, reference_gait):
+    fresh = judge(biped, reference_gait)
+    again = judge(biped, reference_gait, quadrature=Quadrature(fresh.nodes, fresh.quadrature_error))
+    assert (again.nodes, again.quadrature_error) == (fresh.nodes, fresh.quadrature_error)
+    assert again.residuals == fresh.residuals
+    assert again.objections == fresh.objections
 
 
 @pytest.mark.parametrize(
