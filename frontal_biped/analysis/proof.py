@@ -46,7 +46,7 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import RobotLike, biped_of
 from frontal_biped.virtual_constraints.invariance import free_parameters
 from frontal_biped.zero_dynamics.proof.balls import ORDER, PRECISION, Ball, as_text, from_text, working
-from frontal_biped.zero_dynamics.proof.chain import BallChain
+from frontal_biped.zero_dynamics.proof.decimals import decimal_chain
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.signs import Kind, Piece
 from frontal_biped.zero_dynamics.proof.theorems import GaitProof, prove_parameters
@@ -143,7 +143,7 @@ def _proved(
     free = free_parameters(gait.rising, gait.falling, gait.step_width)
     try:
         with working():
-            chain = BallChain.of(biped.chain)
+            chain = decimal_chain(biped)
             if radius is None:
                 return ProofCertificate(gait, prove_parameters(chain, free, region))
             radii = (radius,) if radius > 0.0 else ()

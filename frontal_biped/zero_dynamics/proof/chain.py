@@ -1,8 +1,8 @@
 r"""The planar chain in ball arithmetic: the one place where the robot's dynamics stand outside Pinocchio.
 
-The chain is that of `model.chain`: stance foot, leg, pelvis, leg, foot, the stance foot at rest. Its numbers are the
-doubles that were loaded, taken as exact. With the absolute angles alpha_i = sum_{j <= i} (q_j + pi/2), R the
-rotation and J the quarter turn,
+The chain is that of `model.chain`: stance foot, leg, pelvis, leg, foot, the stance foot at rest. Its numbers are those
+of URDF and description (`decimals`), or given doubles taken as exact. With the absolute angles
+alpha_i = sum_{j <= i} (q_j + pi/2), R the rotation and J the quarter turn,
 
 .. math:: o_{i+1} = o_i + R(\alpha_i)\, l_i, \qquad c_i = o_i + R(\alpha_i)\, r_i, \qquad
           (R(\alpha) x)' = \alpha' J R(\alpha) x, \qquad
@@ -124,14 +124,14 @@ class BallChain:
             error: to which its numbers are known, relative [-].
         """
 
-        def rounded(number: float) -> Ball:
-            return within(number, error)
+        def rounded(number: float | Ball) -> Ball:
+            return within(number if isinstance(number, arb) else float(number), error)
 
-        joints = [[rounded(float(x)) for x in joint] for joint in chain.joints]
+        joints = [[rounded(x) for x in joint] for joint in chain.joints]
         tips = [*joints[1:], [joints[3][0], arb(0)]]
         bodies = []
         for joint, tip, body in zip(joints, tips, chain.bodies[1:], strict=True):
-            com = [rounded(float(x)) for x in body.com]
+            com = [rounded(x) for x in body.com]
             bodies.append(
                 MovingBody(
                     rounded(body.mass),
@@ -141,7 +141,7 @@ class BallChain:
                 )
             )
         foot = chain.bodies[0]
-        mass, h, v = rounded(foot.mass), rounded(float(foot.com[0])), rounded(float(foot.com[1]))
+        mass, h, v = rounded(foot.mass), rounded(foot.com[0]), rounded(foot.com[1])
         return cls(
             (joints[0][0], joints[0][1]),
             tuple(bodies),
@@ -149,7 +149,7 @@ class BallChain:
             mass * h,
             rounded(foot.inertia) + mass * (h * h + v * v),
             mass * v,
-            tuple(rounded(float(rotor)) for rotor in chain.armature),
+            tuple(rounded(rotor) for rotor in chain.armature),
         )
 
     @cached_property
