@@ -75,6 +75,11 @@ class FixedZeros:
         return told(self.found.exact, False)
 
     @property
+    def exists(self) -> Proof:
+        """Is there one?"""
+        return told(bool(self.found.zeros), self.found.exact and not self.found.zeros)
+
+    @property
     def unique(self) -> Proof:
         """Is there at most one?"""
         number = len(self.found.zeros)
