@@ -25,6 +25,11 @@ class Kind(Enum):
     UNDECIDED = "undecided"
 
     @property
+    def decided(self) -> bool:
+        """Is anything known?"""
+        return self is not Kind.UNDECIDED
+
+    @property
     def monotone(self) -> bool:
         """Is it known that the function is?"""
         return self in (Kind.INCREASING, Kind.DECREASING)
