@@ -9,6 +9,7 @@ On a panel s = centre + h t the zero dynamics is a `TaylorModel` in t and y, and
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.zero_dynamics.proof.balls import Number
@@ -38,12 +39,19 @@ class Panels(NamedTuple):
     rate: TaylorModel
     drive: TaylorModel
 
-    def chosen(self, which: FloatArray) -> "Panels":
-        """Some of them, or in another order."""
+    @classmethod
+    def in_order(cls, parts: list["Panels"]) -> "Panels":
+        """All of some parts, from left to right."""
+        low = np.concatenate([part.low for part in parts])
+        rate, drive = (TaylorModel.joined(models) for models in zip(*(part[1:] for part in parts), strict=True))
+        return cls(low, rate, drive).chosen(np.argsort(low))
+
+    def chosen(self, which: NDArray[np.intp]) -> "Panels":
+        """Some of them, in a given order."""
         return Panels(self.low[which], self.rate.chosen(which), self.drive.chosen(which))
 
     @property
-    def fine(self) -> FloatArray:
+    def fine(self) -> NDArray[np.bool_]:
         """(B,) is a panel known well? Not where nothing is known."""
         return np.asarray((self.rate.radius <= FINE) & (self.drive.radius <= FINE * self.drive.norm))
 
@@ -72,13 +80,10 @@ def _panels(half: HalfStep, ratio: Number) -> Panels:
     done: list[Panels] = []
     for _ in range(HALVINGS + 1):
         found = _on(half, ratio, low, width)
-        fine = found.fine
-        done.append(found.chosen(np.flatnonzero(fine)))
-        low = found.low[~fine]
+        done.append(found.chosen(np.flatnonzero(found.fine)))
+        low = found.low[np.flatnonzero(~found.fine)]
         if not len(low):
-            order = np.argsort(np.concatenate([panels.low for panels in done]))
-            columns = (TaylorModel.joined(models) for models in zip(*(panels[1:] for panels in done), strict=True))
-            return Panels(np.concatenate([panels.low for panels in done]), *columns).chosen(order)
+            return Panels.in_order(done)
         if len(low) > PANELS:
             break  # narrower ones are no help
         width *= 0.5

@@ -13,6 +13,8 @@ A half step is cut into panels, s = centre + h t on each; both integrals of `pas
 
 from typing import NamedTuple
 
+import numpy as np
+
 from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.balls import Ball, Number, arb, is_negative
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
@@ -56,13 +58,17 @@ class Disc(NamedTuple):
         """x by y [rad]."""
         return (arb(self.high) - arb(self.low)) / (2 * arb(CORE))
 
+    def y(self, low: float, high: float) -> Ball:
+        """Of an interval [rad]."""
+        return (arb(low).union(arb(high)) - (arb(self.low) + arb(self.high)) / 2) / self.reach
+
     def known(self, low: float, high: float) -> Known:
         """E and its slope by x on an interval [rad].
 
         Raises:
             NotEnclosedError: the drive may not turn the robot back.
         """
-        y = (arb(low).union(arb(high)) - (arb(self.low) + arb(self.high)) / 2) / self.reach
+        y = self.y(low, high)
         if not is_negative(self.drive.value(y)):
             raise NotEnclosedError("drive")
         return Known(self.surplus.value(y), self.surplus.slope(y) / self.reach)
@@ -93,7 +99,9 @@ class Surplus:
         discs: intervals that are known to do; None: they are sought.
     """
 
-    def __init__(self, gait: BallGait, ray: Ray = DIAGONAL, discs: tuple[tuple[float, float], ...] | None = None) -> None:
+    def __init__(
+        self, gait: BallGait, ray: Ray = DIAGONAL, discs: tuple[tuple[float, float], ...] | None = None
+    ) -> None:
         self.gait, self.ray = gait, ray
         self._sought = discs is None
         self.discs = [self.disc(*ends) for ends in discs or ()]
@@ -108,17 +116,18 @@ class Surplus:
         reach = (arb(high) - arb(low)) / (2 * arb(CORE))
         if not reach < NEAREST * (centre - begin):
             raise NotEnclosedError("rising phase")
-        x = TaylorModel.parameter(centre, reach)
-        step = self.gait.imposed(x)
-        ratios: tuple[Number, Number] = (1, 1)
-        if self.ray != DIAGONAL:
-            beta = self.ray.pivot + self.ray.share * (x - self.ray.pivot)
-            ratios = (beta - begin) / (x - begin), (beta - self.gait.end) / (x - self.gait.end)
-        works = [work(half, ratio) for half, ratio in zip((step.rising, step.falling), ratios, strict=True)]
-        surplus = step.jump() * works[1] - works[0]
-        if not surplus.radius[0] <= ACCURATE * surplus.norm[0]:
-            raise NotEnclosedError("E")
-        return Disc(low, high, surplus, step.rising.at(ratios[0]).drive)
+        with np.errstate(all="ignore"):  # radii are infinite, or nan, where nothing is known
+            x = TaylorModel.parameter(centre, reach)
+            step = self.gait.imposed(x)
+            ratios: tuple[Number, Number] = (1, 1)
+            if self.ray != DIAGONAL:
+                beta = self.ray.pivot + self.ray.share * (x - self.ray.pivot)
+                ratios = (beta - begin) / (x - begin), (beta - self.gait.end) / (x - self.gait.end)
+            works = [work(half, ratio) for half, ratio in zip((step.rising, step.falling), ratios, strict=True)]
+            surplus = step.jump() * works[1] - works[0]
+            if not surplus.radius[0] <= ACCURATE * surplus.norm[0]:
+                raise NotEnclosedError("E")
+            return Disc(low, high, surplus, step.rising.at(ratios[0]).drive)
 
     def on(self, low: float, high: float) -> Known:
         """E and its slope along the ray, on an interval [rad].
@@ -136,3 +145,15 @@ class Surplus:
             raise NotEnclosedError("E")
         self.discs.append(self.disc(low, high))
         return self.discs[-1].known(low, high)
+
+    def at(self, x: float) -> Ball:
+        """E along the ray, at a reversal [rad].
+
+        Raises:
+            NotEnclosedError: it is on none of the discs.
+        """
+        around = [disc for disc in self.discs if disc.low <= x <= disc.high]
+        if not around:
+            raise NotEnclosedError("E")
+        disc = min(around, key=lambda disc: disc.high - disc.low)
+        return disc.surplus.value(disc.y(x, x))

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from frontal_biped.arrays import FloatArray
 from frontal_biped.zero_dynamics.proof.balls import Ball, arb
 
-ORDERS = (10, 10)
+ORDERS = (10, 14)
 """Highest powers of t and y that are kept."""
 
 ROUNDOFF = 2.0**-53
@@ -67,7 +67,7 @@ class TaylorModel:
         """One for each ball."""
         middles = np.array([float(ball.mid()) for ball in balls])
         radius = [float(abs(ball - arb(middle)).upper()) for ball, middle in zip(balls, middles, strict=True)]
-        return cls(middles[:, None, None], np.array(radius) * UP)
+        return cls(middles[:, None, None], np.array(radius) * UP + UNDERFLOW)
 
     @classmethod
     def parameter(cls, centre: Ball, reach: Ball) -> "TaylorModel":
