@@ -19,15 +19,20 @@ A certificate is a JSON file:
 ``reversal``    the zero of S near the plan: balls ``reversal`` [rad], ``slope``, ``multiplier``, verdicts ``proved``
                 and ``stable``
 ``convergence`` of successive approximation: ``radius`` [rad], ball ``factor``, verdict ``proved``
+``imposed``     all zeros of S: ``regions``, ``discs``, ``zeros`` and ``undecided`` [rad], the partition ``pieces`` of
+                each region, verdicts ``counted`` and ``unique``
+``attraction``  of successive approximation, from far: ``reach`` [rad], verdict ``proved``, and what it rests on,
+                ``share`` and the intervals ``left``, ``middle`` and ``right`` [rad]; null where nothing was found
 ``sha256``      of all the rest
 ==============  ====================================================================================================
 
-A ball is {"mid": "m*2^e", "rad": "m*2^e"}, exactly; one that is not known is null.
+A ball is {"mid": "m*2^e", "rad": "m*2^e"}, exactly; one that is not known is null. A file without ``imposed`` or
+``attraction``, from before they were proved, makes no such statement.
 """
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -45,13 +50,16 @@ from frontal_biped.gait.robot_path import description_file, with_found_descripti
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import RobotLike, biped_of
 from frontal_biped.virtual_constraints.invariance import free_parameters
+from frontal_biped.zero_dynamics.proof.attraction import Tiles
 from frontal_biped.zero_dynamics.proof.balls import ORDER, PRECISION, Ball, as_text, from_text, working
 from frontal_biped.zero_dynamics.proof.decimals import decimal_chain
+from frontal_biped.zero_dynamics.proof.gait_proof import Evidence, GaitProof, Regions, prove_parameters
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
+from frontal_biped.zero_dynamics.proof.imposed_zeros import Partition
 from frontal_biped.zero_dynamics.proof.signs import Kind, Piece
-from frontal_biped.zero_dynamics.proof.theorems import GaitProof, prove_parameters
+from frontal_biped.zero_dynamics.proof.theorems import Proof
 from frontal_biped.zero_dynamics.reversal.problem import ReversalProblem
-from frontal_biped.zero_dynamics.reversal.zeros import regular_region
+from frontal_biped.zero_dynamics.reversal.zeros import imposed_regions, regular_region
 
 VERSION = 1
 """Of the file format."""
@@ -83,6 +91,7 @@ class ProofCertificate:
         if folder is not None:
             gait = with_stored_description(gait, folder)
         fixed, zero, near = self.proof.fixed, self.proof.zero, self.proof.convergence
+        imposed, far = self.proof.imposed, self.proof.attraction
         content: dict[str, Any] = {
             "format": PROOF,
             "version": VERSION,
@@ -91,8 +100,8 @@ class ProofCertificate:
             "gait": gait,
             "fixed": {
                 "region": list(fixed.region),
-                "pieces": [[a, b, kind.value] for a, b, kind in fixed.found.pieces],
-                "zeros": [list(place) for place in fixed.found.zeros],
+                "pieces": _pieces_listed(fixed.found.pieces),
+                "zeros": _listed(fixed.found.zeros),
                 "counted": fixed.counted.value,
                 "unique": fixed.unique.value,
             },
@@ -104,8 +113,22 @@ class ProofCertificate:
                 "stable": zero.stable.value,
             },
             "convergence": {"radius": near.radius, "factor": _ball(near.factor), "proved": near.proved.value},
+            "imposed": {
+                "regions": _listed(imposed.regions),
+                "discs": _listed(imposed.discs),
+                "pieces": [_pieces_listed(found.pieces) for found in imposed.found],
+                "zeros": _listed(imposed.places),
+                "undecided": _listed(imposed.undecided),
+                "counted": imposed.counted.value,
+                "unique": imposed.unique.value,
+            },
+            "attraction": {"proved": far.proved.value} | _tiles_listed(far.tiles),
         }
         return content | {"sha256": _digest(content)}
+
+    def converges_from(self, start: float) -> Proof:
+        """Does the successive approximation of [O] Sec. III-D converge to this gait from a start [rad]?"""
+        return self.proof.attraction.converges_from(start)
 
     def save(self, path: Path | str) -> None:
         """Write the certificate file; whole or not at all."""
@@ -128,26 +151,16 @@ def prove(robot: RobotLike, gait: GaitLike) -> ProofCertificate:
     """
     biped, own = biped_of(robot), gait_of(gait)
     phases = own.rising, own.falling, own.step_width
-    # the region of the measured certificate: found by quadrature, then taken as exact
+    # the regions of the measured certificate: found by quadrature, then taken as exact
     problem = ReversalProblem.of_phases(biped, *phases, converged_nodes(biped, *phases))
-    return _proved(biped, own, regular_region(problem))
+    return _proved(biped, own, Regions(regular_region(problem), imposed_regions(problem)))
 
 
-def _proved(
-    biped: FrontalBiped,
-    gait: Gait,
-    region: tuple[float, float],
-    pieces: tuple[Piece, ...] | None = None,
-    radius: float | None = None,
-) -> ProofCertificate:
+def _proved(biped: FrontalBiped, gait: Gait, regions: Regions, evidence: Evidence | None = None) -> ProofCertificate:
     free = free_parameters(gait.rising, gait.falling, gait.step_width)
     try:
         with working():
-            chain = decimal_chain(biped)
-            if radius is None:
-                return ProofCertificate(gait, prove_parameters(chain, free, region))
-            radii = (radius,) if radius > 0.0 else ()
-            return ProofCertificate(gait, prove_parameters(chain, free, region, pieces, radii))
+            return ProofCertificate(gait, prove_parameters(decimal_chain(biped), free, regions, evidence))
     except NotEnclosedError as error:
         raise ProofError(f"{gait.robot.name}: {error}: the balls are too wide to tell whether it exists") from None
 
@@ -176,21 +189,69 @@ def verify(path: Path | str, robot: RobotLike | None = None, gait: GaitLike | No
             f"{path}: is about {own.robot.name} with another URDF or description than {biped.path.name}; {REMEDY}"
         )
     try:
-        fixed = stored["fixed"]
-        pieces = tuple(Piece(float(a), float(b), Kind(kind)) for a, b, kind in fixed["pieces"])
-        region = float(fixed["region"][0]), float(fixed["region"][1])
-        _require_cover(path, pieces, region)
-        again = _proved(biped, own, region, pieces, float(stored["convergence"]["radius"]))
+        again = _proved(biped, own, *_stored_evidence(path, stored))
         _compare(path, stored, again.as_dict())
     except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
         raise ProofError(f"{path}: not what a certificate holds ({error}); {REMEDY}") from None
     return again
 
 
-def _require_cover(path: Path, pieces: tuple[Piece, ...], region: tuple[float, float]) -> None:
+def _stored_evidence(path: Path, stored: dict[str, Any]) -> tuple[Regions, Evidence]:
+    fixed, imposed, far = stored["fixed"], stored.get("imposed", NO_IMPOSED), stored.get("attraction", NO_ATTRACTION)
+    regions = Regions(_interval(fixed["region"]), _intervals(imposed["regions"]))
+    pieces = _pieces_read(fixed["pieces"])
+    partition = Partition(
+        _intervals(imposed["discs"]),
+        tuple(_pieces_read(own) for own in imposed["pieces"]),
+        _intervals(imposed["zeros"]),
+    )
+    _require_cover(path, "fixed", pieces, regions.fixed)
+    if len(partition.pieces) != len(regions.imposed):
+        raise ProofError(f"{path}: imposed.pieces are not of the regions; {REMEDY}")
+    for region, own in zip(regions.imposed, partition.pieces, strict=True):
+        _require_cover(path, "imposed", own, region)
+    tiles = None
+    if far["share"] is not None:
+        tiles = Tiles(float(far["share"]), *(_intervals(far[name]) for name in ("left", "middle", "right")))
+    return regions, Evidence(pieces, partition, float(stored["convergence"]["radius"]), tiles)
+
+
+NO_IMPOSED: dict[str, Any] = {"regions": [], "discs": [], "pieces": [], "zeros": []}
+NO_ATTRACTION: dict[str, Any] = {"share": None}
+
+
+def _require_cover(path: Path, group: str, pieces: tuple[Piece, ...], region: tuple[float, float]) -> None:
     ends = [region[0], *(piece.high for piece in pieces)]
     if [piece.low for piece in pieces] != ends[:-1] or ends[-1] != region[1]:
-        raise ProofError(f"{path}: fixed.pieces do not cover the region; {REMEDY}")
+        raise ProofError(f"{path}: {group}.pieces do not cover the region; {REMEDY}")
+
+
+def _interval(ends: Any) -> tuple[float, float]:
+    low, high = ends
+    return float(low), float(high)
+
+
+def _intervals(listed: Any) -> tuple[tuple[float, float], ...]:
+    return tuple(_interval(ends) for ends in listed)
+
+
+def _listed(intervals: Iterable[tuple[float, float]]) -> list[list[float]]:
+    return [list(ends) for ends in intervals]
+
+
+def _pieces_read(listed: Any) -> tuple[Piece, ...]:
+    return tuple(Piece(float(a), float(b), Kind(kind)) for a, b, kind in listed)
+
+
+def _pieces_listed(pieces: Iterable[Piece]) -> list[list[Any]]:
+    return [[a, b, kind.value] for a, b, kind in pieces]
+
+
+def _tiles_listed(tiles: Tiles | None) -> dict[str, Any]:
+    if tiles is None:
+        return dict.fromkeys(("reach", "share", "left", "middle", "right"))
+    parts = {"left": tiles.left, "middle": tiles.middle, "right": tiles.right}
+    return {"reach": list(tiles.reach), "share": tiles.share} | {name: _listed(own) for name, own in parts.items()}
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -212,7 +273,9 @@ def _read(path: Path) -> dict[str, Any]:
 
 def _compare(path: Path, stored: dict[str, Any], again: dict[str, Any]) -> None:
     """Statements must be the same, balls must have a number in common."""
-    for group in ("fixed", "reversal", "convergence"):
+    for group in ("fixed", "reversal", "convergence", "imposed", "attraction"):
+        if group not in stored and group in ("imposed", "attraction"):
+            continue  # a statement that the file does not make
         for name, new in again[group].items():
             value = stored[group][name]
             if isinstance(value, dict) and isinstance(new, dict):

@@ -11,7 +11,8 @@ from typing import Any
 
 from frontal_biped.analysis.closed_form import GaitAnalysis
 from frontal_biped.numerics.verdict import Verdict
-from frontal_biped.zero_dynamics.proof.theorems import GaitProof, Proof
+from frontal_biped.zero_dynamics.proof.gait_proof import GaitProof
+from frontal_biped.zero_dynamics.proof.theorems import Proof
 
 _CONTRARY = {(Verdict.CERTIFIED, Proof.REFUTED), (Verdict.REFUTED, Proof.PROVED)}
 

@@ -1,0 +1,120 @@
+"""All that is proved of a gait, statement by statement: `theorems` says what they are."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from frontal_biped.virtual_constraints.invariance import FreeParameters
+from frontal_biped.zero_dynamics.proof.attraction import Attraction, Tiles, attraction
+from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
+from frontal_biped.zero_dynamics.proof.chain import BallChain
+from frontal_biped.zero_dynamics.proof.imposed_zeros import ImposedZeros, Interval, Partition, imposed_zeros
+from frontal_biped.zero_dynamics.proof.signs import Piece
+from frontal_biped.zero_dynamics.proof.theorems import (
+    NEARBY,
+    Convergence,
+    FixedZeros,
+    NearestZero,
+    Proof,
+    convergence,
+    fixed_zeros,
+    nearest_zero,
+)
+
+
+class Regions(NamedTuple):
+    """Where zeros are counted.
+
+    Attributes:
+        fixed: at fixed parameters [rad].
+        imposed: with invariance imposed.
+    """
+
+    fixed: Interval
+    imposed: tuple[Interval, ...]
+
+
+class Evidence(NamedTuple):
+    """What is known to do, so that nothing has to be sought.
+
+    Attributes:
+        pieces: of the region at fixed parameters.
+        partition: of those with invariance imposed.
+        radius: for successive approximation [rad]; 0: none.
+        tiles: likewise; None: none.
+    """
+
+    pieces: tuple[Piece, ...]
+    partition: Partition
+    radius: float
+    tiles: Tiles | None
+
+
+@dataclass(frozen=True)
+class GaitProof:
+    """All that is proved of a gait.
+
+    Attributes:
+        fixed: zeros of Z at fixed parameters.
+        zero: the zero of S near the planned reversal.
+        convergence: of successive approximation.
+        imposed: all zeros of S.
+        attraction: of successive approximation, from far.
+    """
+
+    fixed: FixedZeros
+    zero: NearestZero
+    convergence: Convergence
+    imposed: ImposedZeros
+    attraction: Attraction
+
+    @property
+    def rows(self) -> list[tuple[str, str]]:
+        """(name, text) for a report."""
+        fixed, zero, near = self.fixed, self.zero, self.convergence
+        places = ", ".join(f"[{a:.7f}, {b:.7f}]" for a, b in fixed.found.zeros) or "none"
+        low, high = fixed.region
+        left = "" if fixed.found.exact else f"; undecided on {len(fixed.found.undecided)} intervals"
+        return [
+            (
+                "zeros of Z, b fixed",
+                f"number {fixed.counted.value}: {len(fixed.found.zeros)} on [{low:.5f}, {high:.5f}], in {places} rad"
+                f"{left}",
+            ),
+            self.imposed.row,
+            ("reversal", f"{zero.proved.value}: exactly one within {NEARBY:g} rad of the plan, at {zero.reversal} rad"),
+            ("0 < multiplier < 1", f"{zero.stable.value}: {zero.multiplier}"),
+            (
+                "successive approximation",
+                f"{near.proved.value}: from every start within {near.radius:g} rad, factor {near.factor}",
+            ),
+            self.attraction.row,
+        ]
+
+
+def prove_parameters(
+    chain: BallChain, free: FreeParameters, regions: Regions, evidence: Evidence | None = None
+) -> GaitProof:
+    """Prove what there is to prove of a gait's parameters.
+
+    Args:
+        chain: the robot.
+        free: what invariance leaves free.
+        regions: on which zeros are counted.
+        evidence: what is known to do; None: it is sought.
+
+    Raises:
+        NotEnclosedError: the final pose is not known to exist, or its impact.
+    """
+    gait = BallGait.of(chain, free)
+    zero = nearest_zero(gait)
+    if evidence is None:
+        fixed, near = fixed_zeros(gait, regions.fixed), convergence(gait, zero)
+        imposed = imposed_zeros(gait, regions.imposed)
+        return GaitProof(fixed, zero, near, imposed, attraction(gait, zero, near, imposed))
+    radii = (evidence.radius,) if evidence.radius > 0.0 else ()
+    fixed, near = fixed_zeros(gait, regions.fixed, evidence.pieces), convergence(gait, zero, radii)
+    imposed = imposed_zeros(gait, regions.imposed, evidence.partition)
+    far = Attraction(None, Proof.UNDECIDED)
+    if evidence.tiles is not None:
+        far = attraction(gait, zero, near, imposed, evidence.tiles)
+    return GaitProof(fixed, zero, near, imposed, far)
