@@ -23,11 +23,15 @@ A certificate is a JSON file:
                 each region, verdicts ``counted`` and ``unique``
 ``attraction``  of successive approximation, from far: ``reach`` [rad], verdict ``proved``, and what it rests on,
                 ``share`` and the intervals ``left``, ``middle`` and ``right`` [rad]; null where nothing was found
+``limits``      C01 to C09 on the orbit: verdict ``proved``, ``cuts`` of the panels of the ``rising`` and the
+                ``falling`` half, shares of the way from the reversal, null where there are none; and ``bounds``, each
+                with ``code``, ``name``, ``unit``, ``lower``, ``upper``, ``strict`` and ``tolerance`` as it was asked,
+                the ball ``margin``, and verdicts ``proved``, within the tolerance, and ``exactly``, without
 ``sha256``      of all the rest
 ==============  ====================================================================================================
 
-A ball is {"mid": "m*2^e", "rad": "m*2^e"}, exactly; one that is not known is null. A file without ``imposed`` or
-``attraction``, from before they were proved, makes no such statement.
+A ball is {"mid": "m*2^e", "rad": "m*2^e"}, exactly; one that is not known is null. A file without ``imposed``,
+``attraction`` or ``limits``, from before they were proved, makes no such statement.
 """
 
 import hashlib
@@ -38,6 +42,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from frontal_biped.analysis.limits_proof import asked_bounds
 from frontal_biped.exceptions import ProofError
 from frontal_biped.files.atomic import write_json
 from frontal_biped.files.kinds import PROOF
@@ -53,9 +58,10 @@ from frontal_biped.virtual_constraints.invariance import free_parameters
 from frontal_biped.zero_dynamics.proof.attraction import Tiles
 from frontal_biped.zero_dynamics.proof.balls import ORDER, PRECISION, Ball, as_text, from_text, working
 from frontal_biped.zero_dynamics.proof.decimals import decimal_chain
-from frontal_biped.zero_dynamics.proof.gait_proof import Evidence, GaitProof, Regions, prove_parameters
+from frontal_biped.zero_dynamics.proof.gait_proof import Asked, Evidence, GaitProof, Regions, prove_parameters
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.imposed_zeros import Partition
+from frontal_biped.zero_dynamics.proof.limits import Cuts, ProvedLimits
 from frontal_biped.zero_dynamics.proof.signs import Kind, Piece
 from frontal_biped.zero_dynamics.proof.theorems import Proof
 from frontal_biped.zero_dynamics.reversal.problem import ReversalProblem
@@ -123,6 +129,7 @@ class ProofCertificate:
                 "unique": imposed.unique.value,
             },
             "attraction": {"proved": far.proved.value} | _tiles_listed(far.tiles),
+            "limits": _limits_listed(self.proof.limits),
         }
         return content | {"sha256": _digest(content)}
 
@@ -160,7 +167,8 @@ def _proved(biped: FrontalBiped, gait: Gait, regions: Regions, evidence: Evidenc
     free = free_parameters(gait.rising, gait.falling, gait.step_width)
     try:
         with working():
-            return ProofCertificate(gait, prove_parameters(decimal_chain(biped), free, regions, evidence))
+            asked = Asked(asked_bounds(biped, gait), biped.sole)
+            return ProofCertificate(gait, prove_parameters(decimal_chain(biped), free, regions, asked, evidence))
     except NotEnclosedError as error:
         raise ProofError(f"{gait.robot.name}: {error}: the balls are too wide to tell whether it exists") from None
 
@@ -213,11 +221,15 @@ def _stored_evidence(path: Path, stored: dict[str, Any]) -> tuple[Regions, Evide
     tiles = None
     if far["share"] is not None:
         tiles = Tiles(float(far["share"]), *(_intervals(far[name]) for name in ("left", "middle", "right")))
-    return regions, Evidence(pieces, partition, float(stored["convergence"]["radius"]), tiles)
+    cuts = stored.get("limits", NO_LIMITS)["cuts"]
+    if cuts is not None:
+        cuts = Cuts(*(tuple(float(cut) for cut in cuts[half]) for half in Cuts._fields))
+    return regions, Evidence(pieces, partition, float(stored["convergence"]["radius"]), tiles, cuts)
 
 
 NO_IMPOSED: dict[str, Any] = {"regions": [], "discs": [], "pieces": [], "zeros": []}
 NO_ATTRACTION: dict[str, Any] = {"share": None}
+NO_LIMITS: dict[str, Any] = {"cuts": None}
 
 
 def _require_cover(path: Path, group: str, pieces: tuple[Piece, ...], region: tuple[float, float]) -> None:
@@ -254,6 +266,19 @@ def _tiles_listed(tiles: Tiles | None) -> dict[str, Any]:
     return {"reach": list(tiles.reach), "share": tiles.share} | {name: _listed(own) for name, own in parts.items()}
 
 
+def _limits_listed(limits: ProvedLimits) -> dict[str, Any]:
+    cuts = limits.cuts
+    return {
+        "proved": limits.proved.value,
+        "cuts": None if cuts is None else {half: list(own) for half, own in cuts._asdict().items()},
+        "bounds": [
+            limit.bound._asdict()
+            | {"margin": _ball(limit.margin), "proved": limit.proved.value, "exactly": limit.exactly.value}
+            for limit in limits.limits
+        ],
+    }
+
+
 def _read(path: Path) -> dict[str, Any]:
     try:
         stored = load_json(path, ProofError, REMEDY)
@@ -271,23 +296,32 @@ def _read(path: Path) -> dict[str, Any]:
     return stored
 
 
+GROUPS = ("fixed", "reversal", "convergence", "imposed", "attraction", "limits")
+"""Of statements; the last three came later, a file may be without them."""
+
+
 def _compare(path: Path, stored: dict[str, Any], again: dict[str, Any]) -> None:
     """Statements must be the same, balls must have a number in common."""
-    for group in ("fixed", "reversal", "convergence", "imposed", "attraction"):
-        if group not in stored and group in ("imposed", "attraction"):
-            continue  # a statement that the file does not make
-        for name, new in again[group].items():
-            value = stored[group][name]
-            if isinstance(value, dict) and isinstance(new, dict):
-                same = bool(from_text(value).overlaps(from_text(new)))
-            else:
-                same = value == new
-            if not same:
-                raise ProofError(f"{path}: {group}.{name} does not hold: computed again it is {_short(new)}")
+    for group in GROUPS:
+        if group in stored or group in GROUPS[:3]:
+            for name, new in again[group].items():
+                if not _same(stored[group][name], new):
+                    raise ProofError(f"{path}: {group}.{name} does not hold: computed again it is {_short(new)}")
+
+
+def _same(value: Any, new: Any) -> bool:
+    if isinstance(value, dict) and isinstance(new, dict):
+        if value.keys() == new.keys() == {"mid", "rad"}:
+            return bool(from_text(value).overlaps(from_text(new)))
+        return value.keys() == new.keys() and all(_same(value[key], new[key]) for key in new)
+    if isinstance(value, list) and isinstance(new, list):
+        return len(value) == len(new) and all(_same(a, b) for a, b in zip(value, new, strict=True))
+    return bool(value == new)
 
 
 def _short(value: Any) -> str:
-    return str(from_text(value)) if isinstance(value, dict) else str(value)[:80]
+    ball = isinstance(value, dict) and value.keys() == {"mid", "rad"}
+    return str(from_text(value)) if ball else str(value)[:80]
 
 
 def _steps(table: dict[str, Any]) -> Any:

@@ -78,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
             text += f"\n\n{card}"
         if kept is not None:
             from frontal_biped.analysis.proof import prove
-            from frontal_biped.analysis.statements import defects, statements, table_text
+            from frontal_biped.analysis.statements import defects, in_brief, statements, table_text
 
             progress.update("proof in ball arithmetic")
             certificate = prove(biped, gait)
@@ -90,7 +90,8 @@ def run(arguments: argparse.Namespace) -> int:
                 "statements": [statement.as_dict() for statement in told],
                 "defects": list(contradictions),
             }
+            shown = table_text(told if arguments.verbose else in_brief(told))
             kept_at = f"{'certificate of the proof':26} {kept}"
-            text += "\n".join(["\n", str(certificate), kept_at, "", table_text(told), *contradictions])
+            text += "\n".join(["\n", str(certificate), kept_at, "", shown, *contradictions])
     emit(arguments, table, text)
     return SUCCESS if analysis.certified and not contradictions else TASK_FAILED

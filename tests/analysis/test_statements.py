@@ -6,7 +6,7 @@ import pytest
 
 from frontal_biped.analysis.closed_form import analyze
 from frontal_biped.analysis.proof import prove
-from frontal_biped.analysis.statements import HEAD, Statement, defects, statements, table_text
+from frontal_biped.analysis.statements import HEAD, Statement, defects, in_brief, statements, table_text
 from frontal_biped.numerics.verdict import Verdict
 from frontal_biped.zero_dynamics.proof.theorems import Proof
 
@@ -59,3 +59,13 @@ def test_table(analysis, proof):
     assert lines[0].split() == list(HEAD)
     starts = {line.index(row.row[1]) for line, row in zip(lines[1:], found, strict=True)}
     assert len(starts) == 1, "columns are aligned"
+
+
+def test_in_brief_what_is_open_stays_visible():
+    def limit(name, proved):
+        return Statement(name, Verdict.CERTIFIED, proved, is_limit=True)
+
+    found = [Statement("it walks", Verdict.CERTIFIED, Proof.PROVED), limit("C02", Proof.PROVED)]
+    found += [limit("C03", Proof.PROVED), limit("C04", Proof.UNDECIDED), limit("C05", Proof.REFUTED)]
+    assert [statement.name for statement in in_brief(found)] == ["it walks", "C04", "C05", "C01 to C09, 2 bounds"]
+    assert in_brief(found[:1]) == tuple(found[:1])

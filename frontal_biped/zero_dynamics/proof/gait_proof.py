@@ -1,5 +1,6 @@
 """All that is proved of a gait, statement by statement: `theorems` says what they are."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -8,6 +9,7 @@ from frontal_biped.zero_dynamics.proof.attraction import Attraction, Tiles, attr
 from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.chain import BallChain
 from frontal_biped.zero_dynamics.proof.imposed_zeros import ImposedZeros, Interval, Partition, imposed_zeros
+from frontal_biped.zero_dynamics.proof.limits import Bound, Cuts, ProvedLimits, prove_limits, without_panels
 from frontal_biped.zero_dynamics.proof.signs import Piece
 from frontal_biped.zero_dynamics.proof.theorems import (
     NEARBY,
@@ -33,6 +35,18 @@ class Regions(NamedTuple):
     imposed: tuple[Interval, ...]
 
 
+class Asked(NamedTuple):
+    """What is asked of the orbit.
+
+    Attributes:
+        bounds: C01 to C09.
+        sole: ends of the stance sole on the h axis, (outer < 0, inner > 0) [m].
+    """
+
+    bounds: Sequence[Bound]
+    sole: tuple[float, float]
+
+
 class Evidence(NamedTuple):
     """What is known to do, so that nothing has to be sought.
 
@@ -41,12 +55,14 @@ class Evidence(NamedTuple):
         partition: of those with invariance imposed.
         radius: for successive approximation [rad]; 0: none.
         tiles: likewise; None: none.
+        cuts: of the panels of the orbit; None: none.
     """
 
     pieces: tuple[Piece, ...]
     partition: Partition
     radius: float
     tiles: Tiles | None
+    cuts: Cuts | None
 
 
 @dataclass(frozen=True)
@@ -59,6 +75,7 @@ class GaitProof:
         convergence: of successive approximation.
         imposed: all zeros of S.
         attraction: of successive approximation, from far.
+        limits: C01 to C09 on the whole orbit.
     """
 
     fixed: FixedZeros
@@ -66,6 +83,7 @@ class GaitProof:
     convergence: Convergence
     imposed: ImposedZeros
     attraction: Attraction
+    limits: ProvedLimits
 
     @property
     def rows(self) -> list[tuple[str, str]]:
@@ -88,11 +106,12 @@ class GaitProof:
                 f"{near.proved.value}: from every start within {near.radius:g} rad, factor {near.factor}",
             ),
             self.attraction.row,
+            *self.limits.rows,
         ]
 
 
 def prove_parameters(
-    chain: BallChain, free: FreeParameters, regions: Regions, evidence: Evidence | None = None
+    chain: BallChain, free: FreeParameters, regions: Regions, asked: Asked, evidence: Evidence | None = None
 ) -> GaitProof:
     """Prove what there is to prove of a gait's parameters.
 
@@ -100,6 +119,7 @@ def prove_parameters(
         chain: the robot.
         free: what invariance leaves free.
         regions: on which zeros are counted.
+        asked: bounds of the orbit.
         evidence: what is known to do; None: it is sought.
 
     Raises:
@@ -110,11 +130,15 @@ def prove_parameters(
     if evidence is None:
         fixed, near = fixed_zeros(gait, regions.fixed), convergence(gait, zero)
         imposed = imposed_zeros(gait, regions.imposed)
-        return GaitProof(fixed, zero, near, imposed, attraction(gait, zero, near, imposed))
-    radii = (evidence.radius,) if evidence.radius > 0.0 else ()
-    fixed, near = fixed_zeros(gait, regions.fixed, evidence.pieces), convergence(gait, zero, radii)
-    imposed = imposed_zeros(gait, regions.imposed, evidence.partition)
-    far = Attraction(None, Proof.UNDECIDED)
-    if evidence.tiles is not None:
-        far = attraction(gait, zero, near, imposed, evidence.tiles)
-    return GaitProof(fixed, zero, near, imposed, far)
+        far = attraction(gait, zero, near, imposed)
+        limits = prove_limits(gait, zero, *asked)
+    else:
+        radii = (evidence.radius,) if evidence.radius > 0.0 else ()
+        fixed, near = fixed_zeros(gait, regions.fixed, evidence.pieces), convergence(gait, zero, radii)
+        imposed = imposed_zeros(gait, regions.imposed, evidence.partition)
+        far, limits = Attraction(None, Proof.UNDECIDED), without_panels(asked.bounds)
+        if evidence.tiles is not None:
+            far = attraction(gait, zero, near, imposed, evidence.tiles)
+        if evidence.cuts is not None:
+            limits = prove_limits(gait, zero, *asked, evidence.cuts)
+    return GaitProof(fixed, zero, near, imposed, far, limits)

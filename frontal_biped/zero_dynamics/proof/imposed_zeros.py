@@ -58,6 +58,11 @@ class ImposedZeros:
         return told(bool(self.regions) and all(found.exact for found in self.found), False)
 
     @property
+    def exists(self) -> Proof:
+        """Is there one?"""
+        return told(bool(self.places), self.counted is Proof.PROVED and not self.places)
+
+    @property
     def unique(self) -> Proof:
         """Is there at most one?"""
         number = len(self.places)

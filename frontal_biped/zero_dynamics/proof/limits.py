@@ -241,6 +241,11 @@ class BallOrbit:
         }
 
 
+def without_panels(bounds: Sequence[Bound]) -> ProvedLimits:
+    """Nothing is known of these."""
+    return ProvedLimits(tuple(ProvedLimit(bound, arb.nan()) for bound in bounds), None)
+
+
 def prove_limits(
     gait: BallGait,
     zero: NearestZero,
@@ -262,7 +267,7 @@ def prove_limits(
             raise NotEnclosedError("orbit")
         orbit = BallOrbit.of(gait, zero.reversal, sole, cuts)
     except NotEnclosedError:
-        return ProvedLimits(tuple(ProvedLimit(bound, arb.nan()) for bound in bounds), None)
+        return without_panels(bounds)
     limits = []
     for bound in bounds:
         margin = orbit.enclosed(bound)
