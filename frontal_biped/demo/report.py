@@ -147,10 +147,9 @@ class DemoReport:
         for gait, card in self.robustness.items():
             notes += [f"{gait} gait, {name.strip()}: {text}" for name, text in card.rows()]
         if self.statements:
-            held = sum(statement.held for statement in self.statements)
-            notes.append(
-                f"proof: {held} of {len(self.statements)} statements certified and proved, see gait.proof.json"
-            )
+            verdicts = Counter(statement.proved.value for statement in self.statements)
+            told = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
+            notes.append(f"statements on the gait in ball arithmetic: {told}; see gait.proof.json")
         total = sum(self.seconds.values())
         return "\n".join(
             [*rows, *notes, f"written to {self.folder} in {total:.1f} s; open {self.folder / 'report.html'}"]
