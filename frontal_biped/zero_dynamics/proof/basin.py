@@ -3,7 +3,8 @@ r"""A proved basin on Z: speeds after an impact from which every later step exis
 The map is that of re-anchored transitions without looking ahead (`virtual_constraints.anchoring`): a late reversal
 retraces the continuation, an early one rejoins the planned path over c times as far. It is one-dimensional. Of a step
 write E for e^{-L} zeta at the planned reversal (`half_orbit`): what is left there of the energy after the impact, or
-lacks. As the orbit through the planned reversal is periodic, m M_f = M_r in energies, and
+lacks. The orbit through the planned reversal has E = 0 and is periodic: what its falling half brings back of energy is
+energy_r / m, energy_r what its rising half takes. So
 
 .. math:: E_{next} = m\, E', \qquad \frac{speed^2}{speed_*^2} = 1 + \frac{E}{energy_r},
 
@@ -25,6 +26,9 @@ path, on the continuation and on every rejoining path, so the robot rises to exa
 m q < 1 on tiles that cover the early side, and m < 1 on the late one, so the next E lies between E and 0; and the
 limits, affine in dbeta^2 or a ratio of such, hold at each beta at rest and at the greatest speed of the interval, so
 at all between. What the swing foot must do at the impact does not depend on the speed, but for its size.
+
+The transitions are those of exact arithmetic: within 1e-9 rad of the planned reversal the program takes the planned
+falling phase as it is. Which c it chooses is proved, not assumed: on every tile its first one keeps enough inertia.
 """
 
 from collections.abc import Iterable, Sequence

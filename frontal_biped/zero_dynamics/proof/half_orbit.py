@@ -29,7 +29,7 @@ from frontal_biped.zero_dynamics.proof.balls import (
     series,
 )
 from frontal_biped.zero_dynamics.proof.chain import BallChain
-from frontal_biped.zero_dynamics.proof.half_path import OnZ, Path, Projected, require_positive
+from frontal_biped.zero_dynamics.proof.half_path import HalfPath, OnZ, Path, Projected, require_positive
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.ranges import controls
 
@@ -165,7 +165,7 @@ class HalfOrbit:
         duration: [s].
     """
 
-    path: Path
+    path: HalfPath
     panels: tuple[Panel, ...]
     rows: dict[str, list[list[Ball]]]
     squares: dict[str, list[list[Ball]]]
@@ -190,7 +190,7 @@ class HalfOrbit:
         return [0.0, *(float(panel.high) for panel in self.panels)]
 
     @classmethod
-    def of(cls, path: Path, cuts: Sequence[float] | None = None) -> "HalfOrbit":
+    def of(cls, path: HalfPath, cuts: Sequence[float] | None = None) -> "HalfOrbit":
         """The orbit on a path.
 
         Args:

@@ -117,9 +117,6 @@ class Path(ABC):
     sole: tuple[float, float]
     span: Ball
 
-    lands = False
-    """Does it end with the swing foot on the ground?"""
-
     @abstractmethod
     def shape(self, y: Number) -> Shape:
         """The virtual constraints at a share of the way from the reversal, 0, to the end, 1."""
@@ -154,8 +151,6 @@ class HalfPath(Path):
     """
 
     half: HalfStep
-
-    lands = True
 
     @classmethod
     def of(cls, half: HalfStep, sole: tuple[float, float]) -> "HalfPath":
