@@ -1,6 +1,6 @@
 """What proofs of a gait's limits and of its basin ask, as data: bounds with their tolerances, and the transitions."""
 
-from frontal_biped.control.stabilisers.transitions import ENOUGH_INERTIA, REJOINS, ReanchoringTransitions
+from frontal_biped.control.stabilisers.transitions import ENOUGH_INERTIA, LOOKS, REJOINS, ReanchoringTransitions
 from frontal_biped.gait.check import FLAT_TOLERANCE, ROUNDING
 from frontal_biped.gait.constraints import SoleHeights, sole_heights, step_constraints
 from frontal_biped.gait.gait import MIN_NODES, Gait
@@ -40,7 +40,9 @@ def perturbed_steps(biped: FrontalBiped, gait: Gait, orbit: BallOrbit) -> Pertur
     """
     planned = ReanchoringTransitions(biped, gait, anticipate=False).planned_rising
     tapers = Tapers(planned.taper, planned.curvature_taper, planned.fri_taper)
-    return PerturbedSteps(orbit, tapers, Rejoining(REJOINS[0], ENOUGH_INERTIA), contact_bounds(biped, gait))
+    # the last one joins at the impact, whatever it is
+    rejoining = Rejoining(REJOINS[:-1], ENOUGH_INERTIA, LOOKS)
+    return PerturbedSteps(orbit, tapers, rejoining, contact_bounds(biped, gait))
 
 
 def contact_bounds(biped: FrontalBiped, gait: Gait) -> list[Bound]:

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from frontal_biped.zero_dynamics.proof.balls import Ball, arb, coefficient, is_positive
+from frontal_biped.zero_dynamics.proof.balls import Ball, arb, coefficient, is_negative, is_positive
 from frontal_biped.zero_dynamics.proof.half_orbit import DEEPEST, HEIGHT, HalfOrbit, Panel, Passed, Rows, walk
 from frontal_biped.zero_dynamics.proof.half_path import Path
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.limits import BallOrbit, Bound, ProvedLimit
-from frontal_biped.zero_dynamics.proof.ranges import controls, least
+from frontal_biped.zero_dynamics.proof.ranges import Enclosed, controls, least
 from frontal_biped.zero_dynamics.proof.reversals import EarlyPath, LatePath, Mismatch, Tapers
 
 ROUGH = 1e-4
@@ -35,12 +35,14 @@ class Rejoining(NamedTuple):
     """How the transitions choose c (`control.stabilisers.transitions`).
 
     Attributes:
-        c: the first they try, and take wherever it keeps enough inertia.
+        c: what they try, in turn; the first that keeps enough inertia is taken.
         enough: share of the least I_P of the planned falling phase that is enough.
+        looks: points of a falling phase, evenly spaced in beta, at which they look.
     """
 
-    c: float
+    c: tuple[float, ...]
     enough: float
+    looks: int
 
 
 @dataclass(frozen=True)
@@ -51,13 +53,11 @@ class _Piece:
         rows: of the limits.
         L: int of the rate over it.
         M: mean of -e^{-L} drive over it.
-        least_inertia: no I_P is below it.
     """
 
     rows: Controls
     L: Ball
     M: Ball
-    least_inertia: Ball
 
     @classmethod
     def of(cls, path: Path, at_rest: bool, deepest: int = DEEPEST) -> "_Piece":
@@ -86,11 +86,11 @@ class _Piece:
                 rows.setdefault(name, []).append(controls(taylor, panel.h))
         assert at is not None
         rows[HEIGHT] = rows.pop(INNER) + rows.pop(OUTER)
-        return cls(rows, at.L, at.W, least(rows[INERTIA], ACCURACY).low)
+        return cls(rows, at.L, at.W)
 
 
-INERTIA, INNER, OUTER = "I_P (decoupling)", "height of the inner end", "height of the outer end"
-"""Rows of every path; heights where the sole does not come down [m]."""
+INNER, OUTER = "height of the inner end", "height of the outer end"
+"""Rows of a path on which the sole does not come down [m]."""
 
 AT_REST = " at rest"
 """Ends the names of rows of a robot that has just stopped."""
@@ -104,8 +104,8 @@ def _contact_rows(panel: Panel, more: Ball | int, at_rest: bool) -> Rows:
     """
     if not all(is_positive(-coefficient(place.drive, 0)) for place in panel.on_Z):
         raise NotEnclosedError("drive")
-    poses = panel.pose_rows()
-    rows = {name: poses[name] for name in (INERTIA, "FRI in the sole")} | panel.motion_rows(panel.dbeta_squared(more))
+    fri = "FRI in the sole"
+    rows = {fri: panel.pose_rows()[fri]} | panel.motion_rows(panel.dbeta_squared(more))
     if at_rest:
         nothing = panel.y[0] * 0
         rows |= {name + AT_REST: row for name, row in panel.motion_rows((nothing, nothing)).items()}
@@ -192,14 +192,12 @@ class PerturbedSteps:
             farthest: from it [rad].
 
         Raises:
-            NotEnclosedError: as `_Piece.of`, or another c may be chosen.
+            NotEnclosedError: as `_Piece.of`, or it is not known which c is chosen.
         """
-        up, down, c = self.orbit.rising, self.orbit.falling, self.rejoining.c
+        up, down = self.orbit.rising, self.orbit.falling
         d = arb(nearest).union(arb(farthest))
-        path = EarlyPath.of(self._mismatch, d, c)
-        piece = _Piece.of(path, at_rest=False, deepest=SHORT)
-        if not min(piece.least_inertia, self._least_inertia) > self._enough_inertia:
-            raise NotEnclosedError("I_P to rejoin so soon")
+        path = self.chosen(d)
+        piece, c = _Piece.of(path, at_rest=False, deepest=SHORT), path.c
         _, M_r = at_share(up, d / up.path.span)
         L_f, M_f = at_share(down, path.share(arb(1)))
         q = ((1 + arb(c)) * M_f - arb(c) * (piece.L - L_f).exp() * piece.M) / M_r
@@ -210,16 +208,40 @@ class PerturbedSteps:
     def _mismatch(self) -> Mismatch:
         return Mismatch.of(self.orbit.step, self.orbit.rising.path.sole)
 
-    @cached_property
-    def _least_inertia(self) -> Ball:
-        """Of the planned falling phase [kg m^2]."""
-        return least(self.orbit.falling.rows[INERTIA], ACCURACY).low
+    def chosen(self, d: Ball) -> EarlyPath:
+        """The path that the transitions choose for all reversals so early.
+
+        Raises:
+            NotEnclosedError: it is not known which, or it ends in the impact.
+        """
+        low, high = self._enough_inertia
+        for c in self.rejoining.c:
+            path = EarlyPath.of(self._mismatch, d, c)
+            seen = [self._inertia(path, k) for k in range(self.rejoining.looks)]
+            if all(is_positive(I_P - high) for I_P in seen):
+                return path
+            if not any(is_negative(I_P - low) for I_P in seen):
+                break
+        raise NotEnclosedError("how the path is rejoined")
+
+    def _inertia(self, path: EarlyPath, look: int) -> Ball:
+        """I_P at one of the points at which the transitions look [kg m^2]."""
+        falling, d = path.falling, path.d
+        way = (falling.span - d) * arb(look) / (self.rejoining.looks - 1)
+        found = []
+        if not way > path.span:
+            y = arb(0) if look == 0 else (way / path.span).intersection(arb(0).union(1))
+            found.append(path.at(y).I_P)
+        if not way < path.span:
+            found.append(falling.at((d + way) / falling.span).I_P)
+        return found[0] if len(found) == 1 else found[0].union(found[1])
 
     @cached_property
-    def _enough_inertia(self) -> Ball:
-        """No least I_P above this makes the transitions try another c [kg m^2]: both ends are among what they see."""
-        seen = min(self.orbit.falling.path.at(arb(end)).I_P.upper() for end in (0, 1))
-        return (seen * arb(self.rejoining.enough)).upper()
+    def _enough_inertia(self) -> Enclosed:
+        """What is enough I_P [kg m^2]."""
+        falling, last = self.orbit.falling.path, self.rejoining.looks - 1
+        seen = [falling.at(arb(k) / last).I_P * arb(self.rejoining.enough) for k in range(last + 1)]
+        return Enclosed(min(I_P.lower() for I_P in seen), min(I_P.upper() for I_P in seen))
 
     # ------------------------------------------------------------------ limits
     def _limit(self, bound: Bound, paths: dict[str, list[Controls]]) -> ProvedLimit:

@@ -107,7 +107,15 @@ def shrinks_as_measured(steps, ratios):
 
 
 def test_the_energy_error_of_early_reversals(steps):
-    shrinks_as_measured(steps, (0.9999, 0.9996))
+    shrinks_as_measured(steps, (0.9999, 0.9996, 0.9982))
+
+
+@pytest.mark.parametrize("d", [1e-5, 1e-4, 5e-4])
+def test_paths_are_rejoined_as_the_transitions_choose(steps, d):
+    rising = steps.stabiliser.planned_rising
+    with working():
+        path = steps.steps.chosen(arb(d))
+    assert path.c == steps.stabiliser.rejoin_of(rising, steps.gait.beta_reversal - d)
 
 
 @pytest.mark.slow
