@@ -2,8 +2,8 @@ r"""Half a step of an orbit through its reversal, in ball arithmetic: forces, sp
 
 With y the share of the way from the reversal, 0, to the impact, 1, and Delta the range of beta, [O] eq. soledo is
 
-.. math:: \zeta = y\, z, \qquad z = e^{L} M, \qquad L(y) = -\Delta \int_0^y rate, \qquad
-          M(y) = \frac1y \int_0^y w, \quad w = -\Delta\, e^{-L} drive,
+.. math:: \zeta = y\, z, \qquad z = \Delta\, e^{L} M, \qquad L(y) = -\Delta \int_0^y rate, \qquad
+          M(y) = \frac1y \int_0^y w, \quad w = -e^{-L} drive,
 
 for the rising half as for the falling one, which both move on the same equation. M is a mean, smooth through the
 reversal: :math:`M(y) = \int_0^1 w(uy)\,du`, so its k-th Taylor coefficient lies in the hull of those of w from 0 to y,
@@ -29,7 +29,7 @@ from frontal_biped.zero_dynamics.proof.balls import (
     series,
 )
 from frontal_biped.zero_dynamics.proof.chain import BallChain
-from frontal_biped.zero_dynamics.proof.half_path import HalfPath, OnZ, Projected, require_positive
+from frontal_biped.zero_dynamics.proof.half_path import HalfPath, OnZ, Path, Projected, require_positive
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.ranges import controls
 
@@ -52,15 +52,17 @@ class Panel(NamedTuple):
 
     Attributes:
         chain: the robot.
+        span: Delta [rad].
         low: y nearer to the reversal.
         high: y nearer to the impact.
         path: the path.
         on_Z: the zero dynamics.
         L: int of the rate from the reversal.
-        M: mean of w from the reversal [kg^2 m^4/s^2].
+        M: mean of w from the reversal [kg^2 m^4/(s^2 rad)].
     """
 
     chain: BallChain
+    span: Ball
     low: Ball
     high: Ball
     path: tuple[Projected, Projected]
@@ -81,12 +83,17 @@ class Panel(NamedTuple):
     @property
     def z(self) -> Pair:
         """zeta / y, zeta / tau^2 of `zero_dynamics.orbit` [kg^2 m^4/s^2]."""
-        return _pairwise(lambda L, M: L.exp() * M, self.L, self.M)
+        return self.narrowed(_pairwise(lambda L, M: L.exp() * M * self.span, self.L, self.M))
 
-    def dbeta_squared(self) -> Pair:
-        """On the orbit through the reversal [rad^2/s^2]."""
-        I_P = self.path[0].I_P, self.path[1].I_P
-        return _pairwise(lambda y, z, I: z * y * 2 / I / I, self.y, self.z, I_P)
+    def dbeta_squared(self, more: Ball | int = 0) -> Pair:
+        """dbeta^2 on the orbit through the reversal, or with more energy there [rad^2/s^2].
+
+        Args:
+            more: zeta at the reversal [kg^2 m^4/s^2].
+        """
+        I_P = [place.I_P for place in self.path]
+        left = _pairwise(lambda y, L, M: L.exp() * (M * y * self.span + more) * 2, self.y, self.L, self.M)
+        return self.narrowed(_pairwise(lambda left, I: left / I / I, left, I_P))
 
     def motion_rows(self, dbeta_squared: Pair) -> Rows:
         """What depends on the speed, by its name in `gait.constraints`; of speeds of joints the square.
@@ -134,7 +141,7 @@ class Panel(NamedTuple):
         return [*(coefficient(f[0], k) for k in range(ORDER)), coefficient(f[1], ORDER)]
 
 
-class _Passed(NamedTuple):
+class Passed(NamedTuple):
     """From the reversal to where a panel begins: int of the rate, int of w, and the hull of w's coefficients so far."""
 
     L: Ball
@@ -153,7 +160,7 @@ class HalfOrbit:
             (`ranges.controls`).
         squares: likewise of quantities of either sign, which are known by their squares.
         L: int of the rate from the reversal to the impact.
-        M: mean of w over it [kg^2 m^4/s^2].
+        M: mean of w over it [kg^2 m^4/(s^2 rad)].
         on_ground: (2,) heights of the sole's ends at the impact, 0 but for the rounding of the robot's numbers [m].
         duration: [s].
     """
@@ -170,7 +177,12 @@ class HalfOrbit:
     @property
     def z(self) -> Ball:
         """zeta at the impact [kg^2 m^4/s^2]."""
-        return self.L.exp() * self.M
+        return self.L.exp() * self.energy
+
+    @property
+    def energy(self) -> Ball:
+        """What the way to the reversal takes, or gives back, of zeta there [kg^2 m^4/s^2]."""
+        return self.path.span * self.M
 
     @property
     def cuts(self) -> list[float]:
@@ -189,7 +201,7 @@ class HalfOrbit:
             NotEnclosedError: I_P may vanish, the ground pull, or the robot not move, as far as balls can tell.
         """
         rows: dict[str, list[list[Ball]]] = {}
-        duration, walked = arb(0), list(_walk(path, cuts))
+        duration, walked = arb(0), list(walk(path, _orbit_rows, cuts))
         for panel, _, own in walked:
             for name, taylor in own.items():
                 rows.setdefault(name, []).append(controls(taylor, panel.h))
@@ -199,7 +211,7 @@ class HalfOrbit:
         squares = {f"{joint} speed": rows.pop(f"{joint} speed") for joint in JOINTS}
         on_ground = path.at(arb(1)).heights
         rows[HEIGHT] = [controls(taylor, h) for taylor, h in _lifted(panels, on_ground)]
-        return cls(path, panels, rows, squares, at.L, at.W, on_ground, path.half.span * duration)
+        return cls(path, panels, rows, squares, at.L, at.W, on_ground, duration)
 
 
 TIME = "sigma"
@@ -209,19 +221,36 @@ HEIGHT = "sole height / (1 - t2)"
 """C05 among the rows [m]."""
 
 
-def _walk(path: HalfPath, cuts: Sequence[float] | None) -> Iterator[tuple[Panel, "_Passed", Rows]]:
-    """Panels from the reversal to the impact, what has been passed at their ends, and what is bounded on them."""
+def walk(
+    path: Path,
+    rows_of: Callable[[Panel], Rows],
+    cuts: Sequence[float] | None = None,
+    fine: float = FINE,
+    deepest: int = DEEPEST,
+) -> Iterator[tuple[Panel, "Passed", Rows]]:
+    """Panels from the reversal to the end of a path, what has been passed at their ends, and functions on them.
+
+    Args:
+        path: the path.
+        rows_of: the functions.
+        cuts: ends of panels that are known to do; None: they are sought.
+        fine: remainder, relative to one more than the size of a function, above which a panel is halved.
+        deepest: halvings of a panel at most.
+
+    Raises:
+        NotEnclosedError: a panel cannot be enclosed.
+    """
     ends = [k / FIRST for k in range(FIRST + 1)] if cuts is None else list(cuts)
     if ends[0] != 0.0 or ends[-1] != 1.0 or not all(low < high for low, high in pairwise(ends)):
         raise NotEnclosedError("panels do not cover the way")
-    todo = [(low, high, DEEPEST if cuts is None else 0) for low, high in pairwise(ends)][::-1]
+    todo = [(low, high, deepest if cuts is None else 0) for low, high in pairwise(ends)][::-1]
     at = NOTHING
     while todo:
         low, high, halvings = todo.pop()
         try:
             panel, end = _panel(path, arb(low), arb(high), at)
-            rows = _rows(panel)
-            good = halvings == 0 or all(_is_fine(taylor, panel.h) for taylor in rows.values())
+            rows = rows_of(panel)
+            good = halvings == 0 or all(_is_fine(taylor, panel.h, fine) for taylor in rows.values())
         except NotEnclosedError:
             if halvings == 0:
                 raise
@@ -234,25 +263,23 @@ def _walk(path: HalfPath, cuts: Sequence[float] | None) -> Iterator[tuple[Panel,
             todo += [(middle, high, halvings - 1), (low, middle, halvings - 1)]
 
 
-def _rows(panel: Panel) -> Rows:
-    z = panel.narrowed(panel.z)
+def _orbit_rows(panel: Panel) -> Rows:
+    z = panel.z
     require_positive(z[1], "zeta")
-    I_P = [place.I_P for place in panel.path]
-    v = panel.narrowed(_pairwise(lambda y, z, I: z * y * 2 / I / I, panel.y, z, I_P))
     root = _pairwise(lambda z: (z * 2).sqrt(), z)
     require_positive(root[1], "zeta")
-    sigma = _pairwise(lambda I, root: I / root, I_P, root)
+    sigma = _pairwise(lambda place, root: place.I_P * panel.span / root, panel.path, root)
     found = {"zeta/tau^2 of the orbit": panel.taylor(z), TIME: panel.taylor(panel.narrowed(sigma))}
-    return found | panel.pose_rows() | panel.motion_rows(v)
+    return found | panel.pose_rows() | panel.motion_rows(panel.dbeta_squared())
 
 
-def _is_fine(taylor: list[Ball], h: Ball) -> bool:
+def _is_fine(taylor: list[Ball], h: Ball, fine: float) -> bool:
     rest = abs(taylor[-1]) * h**ORDER
-    return bool(rest < FINE * (1 + abs(taylor[0])))
+    return bool(rest < fine * (1 + abs(taylor[0])))
 
 
 def _time(sigma: list[Ball], panel: Panel) -> Ball:
-    """Delta int sigma y^{-1/2} dy over a panel; the moments of (y - c)^k by parts."""
+    """The integral of sigma y^{-1/2} dy over a panel; the moments of (y - c)^k by parts."""
     low, high, c, h = panel.low, panel.high, (panel.low + panel.high) / 2, panel.h
     rest = sigma[-1] * arb(0).union(h**ORDER)
     total, moment, power = arb(0), arb(0), arb(1)
@@ -281,16 +308,16 @@ def _lifted(panels: Sequence[Panel], on_ground: list[Ball]) -> Iterator[tuple[li
             yield panel.taylor(panel.narrowed(((height - below) / (1 - panel.y[0]), mean))), panel.h
 
 
-NOTHING = _Passed(arb(0), arb(0), None)
+NOTHING = Passed(arb(0), arb(0), None)
 
 
-def _panel(path: HalfPath, low: Ball, high: Ball, at: _Passed) -> tuple[Panel, _Passed]:
+def _panel(path: Path, low: Ball, high: Ball, at: Passed) -> tuple[Panel, Passed]:
     """A panel, and what has been passed at its end.
 
     Raises:
         NotEnclosedError: I_P may vanish on it.
     """
-    h, Delta = (high - low) / 2, path.half.span
+    h, Delta = (high - low) / 2, path.span
     y = _variable(low, high)
     places = path.at(y[0]), path.at(y[1])
     places = places[0], Projected(*_narrowed_each(*places, h))
@@ -300,14 +327,14 @@ def _panel(path: HalfPath, low: Ball, high: Ball, at: _Passed) -> tuple[Panel, _
     L_centre, L_end = _integrals(slope, at.L, h)
     L = slope[0].integral() + L_centre, slope[1].integral() + (at.L + coefficient(slope[1], 0) * arb(0).union(2 * h))
     L = L[0], narrowed_series(*L, h)
-    w = (-L[0]).exp() * middle.drive * -Delta, (-L[1]).exp() * wide.drive * -Delta
+    w = -((-L[0]).exp() * middle.drive), -((-L[1]).exp() * wide.drive)
     w = w[0], narrowed_series(*w, h)
     W_centre, W_end = _integrals(w, at.W, h)
     own = [coefficient(w[1], k) for k in range(ORDER + 1)]
     hull = own if at.hull is None else [a.union(b) for a, b in zip(at.hull, own, strict=True)]
     M = (w[0].integral() + W_centre) / y[0], series([a / (k + 1) for k, a in enumerate(hull)])
     M = M[0], narrowed_series(*M, h)
-    return Panel(path.half.chain, low, high, places, (middle, wide), L, M), _Passed(L_end, W_end, hull)
+    return Panel(path.chain, Delta, low, high, places, (middle, wide), L, M), Passed(L_end, W_end, hull)
 
 
 def _integrals(f: Pair, begin: Ball, h: Ball) -> tuple[Ball, Ball]:

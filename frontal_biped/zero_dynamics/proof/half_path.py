@@ -4,13 +4,14 @@ With y the share of the way from the reversal, 0, to the impact, 1; forces as `z
 w = A ddbeta + B dbeta^2 + G, and, ddbeta inserted from N_0 = p_FRI F_v, w = base + gain dbeta^2.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
 from frontal_biped.zero_dynamics.proof.balls import Ball, Number, arb, coefficient, is_positive
-from frontal_biped.zero_dynamics.proof.chain import Vector
+from frontal_biped.zero_dynamics.proof.chain import BallChain, Vector
 from frontal_biped.zero_dynamics.proof.half_step import Curve, HalfStep, NotEnclosedError, bernstein
 
 
@@ -78,20 +79,86 @@ class OnZ(NamedTuple):
         )
 
 
+class Shape(NamedTuple):
+    """The virtual constraints at y, or as series about it, with first and second derivatives by beta.
+
+    Attributes:
+        alphas: (4,) absolute angles of the links [rad].
+        rates: (4,) their first derivatives [-].
+        turns: (4,) their second [1/rad].
+        q: (4,) joints [rad].
+        slopes: (4,) their first derivatives [-].
+        bends: (4,) their second [1/rad].
+        p_fri: FRI target [m].
+        dp_fri: its derivative [m/rad].
+    """
+
+    alphas: list[Number]
+    rates: list[Number]
+    turns: list[Number]
+    q: list[Number]
+    slopes: list[Number]
+    bends: list[Number]
+    p_fri: Number
+    dp_fri: Number
+
+
 @dataclass(frozen=True)
-class HalfPath:
-    """The path of a half step, ready to be asked at any y.
+class Path(ABC):
+    """A way from a reversal down to smaller beta, ready to be asked at any share y of it.
+
+    Attributes:
+        chain: the robot.
+        sole: ends of the stance sole on the h axis, (outer < 0, inner > 0) [m].
+        span: beta at the reversal minus beta where it ends [rad].
+    """
+
+    chain: BallChain
+    sole: tuple[float, float]
+    span: Ball
+
+    @abstractmethod
+    def shape(self, y: Number) -> Shape:
+        """The virtual constraints at a share of the way from the reversal, 0, to the end, 1."""
+
+    def at(self, y: Number) -> Projected:
+        """The dynamics along them there."""
+        chain, shape = self.chain, self.shape(y)
+        pose = chain.pose(shape.alphas)
+        none: list[Number] = [arb(0)] * 4
+        G = chain.asked_by(pose, [(arb(0), chain.gravity)] * 4, none, none)
+        G[1], G[2] = G[1] + chain.foot_mass * chain.gravity, G[2] + chain.foot_moment * chain.gravity
+        A = chain.asked_by(pose, chain.accelerations(pose, none, shape.rates), shape.rates, shape.slopes)
+        B = chain.asked_by(pose, chain.accelerations(pose, shape.rates, shape.turns), shape.turns, shape.bends)
+        heights, lifts = [], []
+        ankle_v, ankle_lift = pose.joints[3][1], _lift_of_ankle(pose.levers, shape.rates)
+        (sin, cos), down = shape.alphas[3].sin_cos(), -chain.ankle[1]
+        # of the sole's ends, fixed to the foot: inner lies towards the stance foot
+        for along in (-self.sole[1], -self.sole[0]):
+            heights.append(ankle_v + sin * arb(along) + cos * down)
+            lifts.append((ankle_lift + shape.rates[3] * (cos * arb(along) - sin * down)) * self.span)
+        I_P = A[2] - shape.p_fri * A[1]
+        tilts = [shape.alphas[1], shape.alphas[3]]
+        return Projected(I_P, A, B, G, shape.p_fri, shape.dp_fri, shape.q, shape.slopes, tilts, heights, lifts)
+
+
+@dataclass(frozen=True)
+class HalfPath(Path):
+    """The path of a half step.
 
     Attributes:
         half: the virtual constraints.
-        sole: ends of the stance sole on the h axis, (outer < 0, inner > 0) [m].
     """
 
     half: HalfStep
-    sole: tuple[float, float]
+
+    @classmethod
+    def of(cls, half: HalfStep, sole: tuple[float, float]) -> "HalfPath":
+        """The path of a half step whose stance sole has the given ends [m]."""
+        return cls(half.chain, sole, half.span, half)
 
     @cached_property
-    def _curves(self) -> dict[int, list[tuple[Number, ...]]]:
+    def _curves(self) -> list[list[tuple[Number, ...]]]:
         """Bezier columns of absolute angles, joints and FRI, and of their first and second derivatives by beta."""
         half, quarter = self.half, arb.pi() / 2
         angles = [list(curve.columns) for curve in half.angles]
@@ -99,54 +166,33 @@ class HalfPath:
         joints = [[b - a - quarter for a, b in zip(*pair, strict=True)] for pair in zip(before, angles, strict=True)]
         first = [Curve.of(columns, half.span) for columns in (*angles, *joints)]
         second = [Curve.of(list(curve.slopes), half.span) for curve in first]
-        return {
-            0: [*(curve.columns for curve in first), half.fri.columns],
-            1: [*(curve.slopes for curve in first), half.fri.slopes],
-            2: [curve.slopes for curve in second],
-        }
+        return [
+            [*(curve.columns for curve in first), half.fri.columns],
+            [*(curve.slopes for curve in first), half.fri.slopes],
+            [curve.slopes for curve in second],
+        ]
 
-    def at(self, y: Number) -> Projected:
-        """At a share of the way from the reversal, 0, to the impact, 1."""
-        chain = self.half.chain
+    def shape(self, y: Number) -> Shape:
+        """The virtual constraints at a share of the way from the reversal, 0, to the impact, 1."""
         s = 1 - y
         basis: dict[int, list[Number]] = {}
         found = []
-        for order in range(3):
-            values = []
-            for columns in self._curves[order]:
-                degree = len(columns) - 1
-                if degree not in basis:
-                    basis[degree] = bernstein(degree, s)
-                values.append(_combined(columns, basis[degree]))
-            found.append(values)
-        alphas, q, (p_fri,) = found[0][:4], found[0][4:8], found[0][8:]
-        rates, slopes, (dp_fri,) = found[1][:4], found[1][4:8], found[1][8:]
-        turns, bends = found[2][:4], found[2][4:8]
-
-        pose = chain.pose(alphas)
-        none: list[Number] = [arb(0)] * 4
-        G = chain.asked_by(pose, [(arb(0), chain.gravity)] * 4, none, none)
-        G[1], G[2] = G[1] + chain.foot_mass * chain.gravity, G[2] + chain.foot_moment * chain.gravity
-        A = chain.asked_by(pose, chain.accelerations(pose, none, rates), rates, slopes)
-        B = chain.asked_by(pose, chain.accelerations(pose, rates, turns), turns, bends)
-        # of the sole's ends, fixed to the foot: inner lies towards the stance foot
-        heights, lifts = [], []
-        ankle_v, ankle_lift = pose.joints[3][1], self._lift_of_ankle(pose.levers, rates)
-        (sin, cos), down = alphas[3].sin_cos(), -chain.ankle[1]
-        for along in (-self.sole[1], -self.sole[0]):
-            heights.append(ankle_v + sin * arb(along) + cos * down)
-            lifts.append((ankle_lift + rates[3] * (cos * arb(along) - sin * down)) * self.half.span)
-        I_P = A[2] - p_fri * A[1]
-        return Projected(I_P, A, B, G, p_fri, dp_fri, q, slopes, [alphas[1], alphas[3]], heights, lifts)
-
-    @staticmethod
-    def _lift_of_ankle(levers: list[tuple[Vector, Vector]], rates: list[Number]) -> Number:
-        """Vertical velocity of the swing ankle per unit of dbeta [m]."""
-        parts = [rate * tip[0] for (_, tip), rate in zip(levers[:3], rates[:3], strict=True)]
-        return parts[0] + parts[1] + parts[2]
+        for curves in self._curves:
+            for degree in {len(columns) - 1 for columns in curves} - basis.keys():
+                basis[degree] = bernstein(degree, s)
+            found.append([combined(columns, basis[len(columns) - 1]) for columns in curves])
+        (*values, p_fri), (*rates, dp_fri), turns = found
+        return Shape(values[:4], rates[:4], turns[:4], values[4:], rates[4:], turns[4:], p_fri, dp_fri)
 
 
-def _combined(columns: Sequence[Number], polynomials: Sequence[Number]) -> Number:
+def _lift_of_ankle(levers: list[tuple[Vector, Vector]], rates: list[Number]) -> Number:
+    """Vertical velocity of the swing ankle per unit of dbeta [m]."""
+    leg, pelvis, swing = (rate * tip[0] for (_, tip), rate in zip(levers[:3], rates[:3], strict=True))
+    return leg + pelvis + swing
+
+
+def combined(columns: Sequence[Number], polynomials: Sequence[Number]) -> Number:
+    """A sum of polynomials, series, by columns."""
     total = polynomials[0] * columns[0]
     for column, polynomial in zip(columns[1:], polynomials[1:], strict=True):
         total = total + polynomial * column

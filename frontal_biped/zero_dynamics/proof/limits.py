@@ -168,7 +168,7 @@ class BallOrbit:
         """
         step = gait.imposed(reversal)
         halves = [
-            HalfOrbit.of(HalfPath(half, sole), None if cuts is None else own)
+            HalfOrbit.of(HalfPath.of(half, sole), None if cuts is None else own)
             for half, own in zip((step.rising, step.falling), cuts or (None, None), strict=True)
         ]
         return cls(gait, step, *halves)
@@ -177,6 +177,13 @@ class BallOrbit:
     def cuts(self) -> Cuts:
         """Its panels."""
         return Cuts(tuple(self.rising.cuts), tuple(self.falling.cuts))
+
+    @cached_property
+    def multiplier(self) -> Ball:
+        """delta_f^2 delta_r^2 delta_z^2 [-]."""
+        landed, landing = (half.path.at(arb(1)).I_P for half in (self.rising, self.falling))
+        jump = self.step.speed_ratio * landed / landing
+        return jump * jump * (self.falling.L - self.rising.L).exp()
 
     def enclosed(self, bound: Bound) -> Enclosed | None:
         """The least distance of a quantity to its bounds; None: there is no enclosure of it."""
@@ -214,30 +221,29 @@ class BallOrbit:
     def _single(self) -> dict[str, list[Ball]]:
         """Quantities of the reversal, of the impact and of the whole step, by their names in `gait.constraints`."""
         up, down, chain = self.rising, self.falling, self.gait.chain
-        reversal, landed, landing = up.path.at(arb(0)), up.path.at(arb(1)), down.path.at(arb(1))
+        reversal, landing = up.path.at(arb(0)), down.path.at(arb(1))
         kappa_2 = reversal.p_fri * reversal.G[1] - reversal.G[2]
-        jump = self.step.speed_ratio * landed.I_P / landing.I_P
         dbeta = -(2 * down.z).sqrt() / landing.I_P
         impact = chain.impact(self.gait.q_minus, landing.slopes)
         L_h, L_v, moment = (impulse * dbeta for impulse in impact.impulse)
         _, foot_v, foot_turn = impact.foot
         barrier = reversal.I_P * kappa_2 * kappa_2 / (-2 * chain.gravity * reversal.A[0])
         return {
-            "multiplier delta_f^2 delta_r^2 delta_z^2": [jump * jump * (down.L - up.L).exp()],
+            "multiplier delta_f^2 delta_r^2 delta_z^2": [self.multiplier],
             "zeta_f* at the impact, about the FRI": [down.z],
-            "range of beta, rising": [up.path.half.span],
-            "range of beta, falling": [down.path.half.span],
+            "range of beta, rising": [up.path.span],
+            "range of beta, falling": [down.path.span],
             "kappa_2 at the reversal (HIP2)": [kappa_2],
             "both sole ends on the ground at impact": [abs(x) for x in (*up.on_ground, *down.on_ground)],
-            "touchdown speed of both sole ends": [-lift / down.path.half.span * dbeta for lift in landing.lifts],
+            "touchdown speed of both sole ends": [-lift / down.path.span * dbeta for lift in landing.lifts],
             "normal impulse / m": [L_v / chain.mass],
             "L_h / L_v": [L_h / L_v],
             "impulse in the sole": [moment / L_v],
             "lift-off speed of the old stance sole": [(foot_v + foot_turn * arb(end)) * dbeta for end in up.path.sole],
             "step duration": [up.duration + down.duration],
             "step width": [arb(self.gait.free.step_width)],
-            "energy to spare before tipping": [barrier / up.M],
-            "reversal shift by 1 % of speed": [up.M * arb(PERCENT) / -(kappa_2 * reversal.I_P)],
+            "energy to spare before tipping": [barrier / up.energy],
+            "reversal shift by 1 % of speed": [up.energy * arb(PERCENT) / -(kappa_2 * reversal.I_P)],
         }
 
 

@@ -8,6 +8,8 @@ about a minimum are enough.
 """
 
 from collections.abc import Iterable, Sequence
+from fractions import Fraction
+from functools import cache
 from heapq import heapify, heappush, heapreplace
 from itertools import count, pairwise
 from math import comb
@@ -38,22 +40,32 @@ def controls(taylor: Sequence[Ball], h: Ball) -> list[Ball]:
         taylor: N + 1 Taylor coefficients, the last one the remainder's.
         h: half of the width.
     """
-    degree = len(taylor) - 2
+    *exact, rest = taylor
     scaled, power = [], arb(1)
-    for a in taylor:
+    for a in exact:
         scaled.append(a * power)
         power = power * h
-    rest = scaled.pop() * arb(0).union(arb(1))
-    # t = h (2 x - 1): shifted by synthetic division, then doubled
-    for i in range(degree):
-        for k in range(degree - 1, i - 1, -1):
-            scaled[k] = scaled[k] - scaled[k + 1]
-    powers = [a * 2**k for k, a in enumerate(scaled)]
+    rest = rest * power * arb(0).union(arb(1))
     found = []
-    for j in range(degree + 1):
-        terms = [powers[k] * comb(j, k) / comb(degree, k) for k in range(j + 1)]
+    for weights in _weights(len(exact) - 1):
+        terms = [a * weight for a, weight in zip(scaled, weights, strict=True)]
         found.append(sum(terms[1:], terms[0]) + rest)
     return found
+
+
+@cache
+def _weights(degree: int) -> list[list[Ball]]:
+    """Bernstein coefficients of (2 x - 1)^k for every k up to the degree, by coefficient: none is larger than 1.
+
+    So what a ball of a Taylor coefficient is wide, its share of the Bernstein coefficients is at most.
+    """
+    in_x = [[comb(k, i) * 2**i * (-1) ** (k - i) for i in range(k + 1)] for k in range(degree + 1)]
+
+    def weight(row: list[int], j: int) -> Ball:
+        exact = sum((a * Fraction(comb(j, i), comb(degree, i)) for i, a in enumerate(row)), Fraction(0))
+        return arb(exact.numerator) / exact.denominator
+
+    return [[weight(row, j) for row in in_x] for j in range(degree + 1)]
 
 
 def least(panels: Iterable[Sequence[Ball]], accuracy: float) -> Enclosed:

@@ -5,7 +5,7 @@ from math import comb
 import numpy as np
 import pytest
 
-from frontal_biped.analysis.limits_proof import asked_bounds
+from frontal_biped.analysis.proof_inputs import asked_bounds
 from frontal_biped.gait.check import check_constraints
 from frontal_biped.gait.constraints import SoleHeights, sole_heights, step_constraints
 from frontal_biped.gait.file import load_gait
