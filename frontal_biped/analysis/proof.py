@@ -198,6 +198,8 @@ def verify(path: Path | str, robot: RobotLike | None = None, gait: GaitLike | No
 
 def _stored_evidence(path: Path, stored: dict[str, Any]) -> tuple[Regions, Evidence]:
     fixed, imposed, far = stored["fixed"], stored.get("imposed", NO_IMPOSED), stored.get("attraction", NO_ATTRACTION)
+    for group in _groups(stored):
+        Proof(stored[group][VERDICTS[group]])
     regions = Regions(_interval(fixed["region"]), _intervals(imposed["regions"]))
     pieces = _pieces_read(fixed["pieces"])
     partition = Partition(
@@ -216,8 +218,25 @@ def _stored_evidence(path: Path, stored: dict[str, Any]) -> tuple[Regions, Evide
     return regions, Evidence(pieces, partition, float(stored["convergence"]["radius"]), tiles)
 
 
+VERDICTS = {
+    "fixed": "counted",
+    "reversal": "proved",
+    "convergence": "proved",
+    "imposed": "counted",
+    "attraction": "proved",
+}
+"""Parts of a file that make statements, and one of the verdicts of each."""
+
+OPTIONAL = ("imposed", "attraction")
+"""Those that a file from before they were proved does not have."""
+
 NO_IMPOSED: dict[str, Any] = {"regions": [], "discs": [], "pieces": [], "zeros": []}
 NO_ATTRACTION: dict[str, Any] = {"share": None}
+
+
+def _groups(stored: dict[str, Any]) -> list[str]:
+    """Parts that must hold."""
+    return [group for group in VERDICTS if group in stored or group not in OPTIONAL]
 
 
 def _require_cover(path: Path, group: str, pieces: tuple[Piece, ...], region: tuple[float, float]) -> None:
@@ -273,9 +292,7 @@ def _read(path: Path) -> dict[str, Any]:
 
 def _compare(path: Path, stored: dict[str, Any], again: dict[str, Any]) -> None:
     """Statements must be the same, balls must have a number in common."""
-    for group in ("fixed", "reversal", "convergence", "imposed", "attraction"):
-        if group not in stored and group in ("imposed", "attraction"):
-            continue  # a statement that the file does not make
+    for group in _groups(stored):
         for name, new in again[group].items():
             value = stored[group][name]
             if isinstance(value, dict) and isinstance(new, dict):

@@ -140,7 +140,7 @@ def test_slopes(kept, monkeypatch):
     monkeypatch.setattr(taylor_model, "ORDERS", (10, kept))
     x = TaylorModel.parameter(CENTRE, REACH)
     model = (1 / (x + 1)).exp()
-    for _, _, y, _, x in points(4):
+    for _, _, y, _, _ in points(4):
         y *= 0.9
         at = CENTRE + arb(y) * REACH
         slope = -((1 / (at + 1)).exp()) / ((at + 1) * (at + 1)) * REACH
