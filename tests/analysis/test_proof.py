@@ -81,7 +81,7 @@ def agrees_everywhere(biped, gait):
     certificate, problem = prove(biped, gait), measured_of(biped, gait)
     measured, proved = certify_reversal(problem), certificate.proof
     agrees(measured, certificate)
-    assert proved.imposed.regions == pytest.approx(measured.self_consistent.region, abs=1e-9)
+    assert np.array(proved.imposed.regions) == pytest.approx(np.array(measured.self_consistent.region), abs=1e-9)
     assert proved.imposed.counted is Proof.PROVED
     assert len(proved.imposed.places) == len(measured.self_consistent.zeros)
     for (low, high), zero in zip(proved.imposed.places, measured.self_consistent.zeros, strict=True):
