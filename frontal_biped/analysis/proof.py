@@ -127,7 +127,10 @@ class ProofCertificate:
         return content | {"sha256": _digest(content)}
 
     def converges_from(self, start: float) -> Proof:
-        """Does the successive approximation of [O] Sec. III-D converge to this gait from a start [rad]?"""
+        """Does the successive approximation of [O] Sec. III-D converge to this gait from a start [rad]?
+
+        Each time the zero of Z is taken that is met first (`zero_dynamics.proof.attraction`).
+        """
         return self.proof.attraction.converges_from(start)
 
     def save(self, path: Path | str) -> None:

@@ -25,7 +25,7 @@ from frontal_biped.zero_dynamics.proof.taylor_model import TaylorModel
 CORE = 0.9
 """Share of a disc's real diameter that is used: there slopes are known to ten times the radius of the values."""
 
-NEAREST = 0.6
+NEAREST = 0.36
 """Reach of a disc over its distance from where the rising phase is empty, at most: S has a pole there."""
 
 FINE = 3e-6
