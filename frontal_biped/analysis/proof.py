@@ -19,15 +19,15 @@ A certificate is a JSON file:
 ``reversal``    the zero of S near the plan: balls ``reversal`` [rad], ``slope``, ``multiplier``, verdicts ``proved``
                 and ``stable``
 ``convergence`` of successive approximation: ``radius`` [rad], ball ``factor``, verdict ``proved``
-``imposed``     all zeros of S: ``regions``, ``discs``, ``zeros`` and ``undecided`` [rad], the partition ``pieces`` of
-                each region, verdicts ``counted`` and ``unique``
+``imposed``     all zeros of S: ``orders`` of the models, ``regions``, ``discs``, ``zeros`` and ``undecided`` [rad], the
+                partition ``pieces`` of each region, verdicts ``counted`` and ``unique``
 ``attraction``  of successive approximation, from far: ``reach`` [rad], verdict ``proved``, and what it rests on,
                 ``share`` and the intervals ``left``, ``middle`` and ``right`` [rad]; null where nothing was found
 ``sha256``      of all the rest
 ==============  ====================================================================================================
 
-A ball is {"mid": "m*2^e", "rad": "m*2^e"}, exactly; one that is not known is null. A file without ``imposed`` or
-``attraction``, from before they were proved, makes no such statement.
+A ball is {"mid": "m*2^e", "rad": "m*2^e"}, exactly; one that is not known is null. From before they were proved there
+are files without ``imposed`` and ``attraction``, which make no such statements.
 """
 
 import hashlib
@@ -57,6 +57,7 @@ from frontal_biped.zero_dynamics.proof.gait_proof import Evidence, GaitProof, Re
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.imposed_zeros import Partition
 from frontal_biped.zero_dynamics.proof.signs import Kind, Piece
+from frontal_biped.zero_dynamics.proof.taylor_model import ORDERS
 from frontal_biped.zero_dynamics.proof.theorems import Proof
 from frontal_biped.zero_dynamics.reversal.problem import ReversalProblem
 from frontal_biped.zero_dynamics.reversal.zeros import imposed_regions, regular_region
@@ -114,6 +115,7 @@ class ProofCertificate:
             },
             "convergence": {"radius": near.radius, "factor": _ball(near.factor), "proved": near.proved.value},
             "imposed": {
+                "orders": list(ORDERS),
                 "regions": _listed(imposed.regions),
                 "discs": _listed(imposed.discs),
                 "pieces": [_pieces_listed(found.pieces) for found in imposed.found],
