@@ -19,8 +19,8 @@ A certificate is a JSON file:
 ``reversal``    the zero of S near the plan: balls ``reversal`` [rad], ``slope``, ``multiplier``, verdicts ``proved``
                 and ``stable``
 ``convergence`` of successive approximation: ``radius`` [rad], ball ``factor``, verdict ``proved``
-``imposed``     all zeros of S: ``regions``, ``discs``, ``zeros`` and ``undecided`` [rad], the partition ``pieces`` of
-                each region, verdicts ``counted`` and ``unique``
+``imposed``     all zeros of S: ``orders`` of the models, ``regions``, ``discs``, ``zeros`` and ``undecided`` [rad], the
+                partition ``pieces`` of each region, verdicts ``counted`` and ``unique``
 ``attraction``  of successive approximation, from far: ``reach`` [rad], verdict ``proved``, and what it rests on,
                 ``share`` and the intervals ``left``, ``middle`` and ``right`` [rad]; null where nothing was found
 ``limits``      C01 to C09 on the orbit: verdict ``proved``, ``cuts`` of the panels of the ``rising`` and the
@@ -30,8 +30,8 @@ A certificate is a JSON file:
 ``sha256``      of all the rest
 ==============  ====================================================================================================
 
-A ball is {"mid": "m*2^e", "rad": "m*2^e"}, exactly; one that is not known is null. A file without ``imposed``,
-``attraction`` or ``limits``, from before they were proved, makes no such statement.
+A ball is {"mid": "m*2^e", "rad": "m*2^e"}, exactly; one that is not known is null. From before they were proved there
+are files without ``imposed``, ``attraction``, ``limits`` and ``basin``, which make no such statements.
 """
 
 import hashlib
@@ -63,6 +63,7 @@ from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.imposed_zeros import Partition
 from frontal_biped.zero_dynamics.proof.limits import Cuts, ProvedLimits
 from frontal_biped.zero_dynamics.proof.signs import Kind, Piece
+from frontal_biped.zero_dynamics.proof.taylor_model import ORDERS
 from frontal_biped.zero_dynamics.proof.theorems import Proof
 from frontal_biped.zero_dynamics.reversal.problem import ReversalProblem
 from frontal_biped.zero_dynamics.reversal.zeros import imposed_regions, regular_region
@@ -120,6 +121,7 @@ class ProofCertificate:
             },
             "convergence": {"radius": near.radius, "factor": _ball(near.factor), "proved": near.proved.value},
             "imposed": {
+                "orders": list(ORDERS),
                 "regions": _listed(imposed.regions),
                 "discs": _listed(imposed.discs),
                 "pieces": [_pieces_listed(found.pieces) for found in imposed.found],
@@ -134,7 +136,10 @@ class ProofCertificate:
         return content | {"sha256": _digest(content)}
 
     def converges_from(self, start: float) -> Proof:
-        """Does the successive approximation of [O] Sec. III-D converge to this gait from a start [rad]?"""
+        """Does the successive approximation of [O] Sec. III-D converge to this gait from a start [rad]?
+
+        Each time the zero of Z is taken that is met first (`zero_dynamics.proof.attraction`).
+        """
         return self.proof.attraction.converges_from(start)
 
     def save(self, path: Path | str) -> None:
@@ -206,6 +211,8 @@ def verify(path: Path | str, robot: RobotLike | None = None, gait: GaitLike | No
 
 def _stored_evidence(path: Path, stored: dict[str, Any]) -> tuple[Regions, Evidence]:
     fixed, imposed, far = stored["fixed"], stored.get("imposed", NO_IMPOSED), stored.get("attraction", NO_ATTRACTION)
+    for group in _groups(stored):
+        Proof(stored[group][VERDICTS[group]])
     regions = Regions(_interval(fixed["region"]), _intervals(imposed["regions"]))
     pieces = _pieces_read(fixed["pieces"])
     partition = Partition(
@@ -227,9 +234,28 @@ def _stored_evidence(path: Path, stored: dict[str, Any]) -> tuple[Regions, Evide
     return regions, Evidence(pieces, partition, float(stored["convergence"]["radius"]), tiles, cuts)
 
 
+VERDICTS = {
+    "fixed": "counted",
+    "reversal": "proved",
+    "convergence": "proved",
+    "imposed": "counted",
+    "attraction": "proved",
+    "limits": "proved",
+    "basin": "proved",
+}
+"""Parts of a file that make statements, and one of the verdicts of each."""
+
+OPTIONAL = ("imposed", "attraction", "limits", "basin")
+"""Those that a file from before they were proved does not have."""
+
 NO_IMPOSED: dict[str, Any] = {"regions": [], "discs": [], "pieces": [], "zeros": []}
 NO_ATTRACTION: dict[str, Any] = {"share": None}
 NO_LIMITS: dict[str, Any] = {"cuts": None}
+
+
+def _groups(stored: dict[str, Any]) -> list[str]:
+    """Parts that must hold."""
+    return [group for group in VERDICTS if group in stored or group not in OPTIONAL]
 
 
 def _require_cover(path: Path, group: str, pieces: tuple[Piece, ...], region: tuple[float, float]) -> None:
@@ -296,17 +322,12 @@ def _read(path: Path) -> dict[str, Any]:
     return stored
 
 
-GROUPS = ("fixed", "reversal", "convergence", "imposed", "attraction", "limits")
-"""Of statements; the last three came later, a file may be without them."""
-
-
 def _compare(path: Path, stored: dict[str, Any], again: dict[str, Any]) -> None:
     """Statements must be the same, balls must have a number in common."""
-    for group in GROUPS:
-        if group in stored or group in GROUPS[:3]:
-            for name, new in again[group].items():
-                if not _same(stored[group][name], new):
-                    raise ProofError(f"{path}: {group}.{name} does not hold: computed again it is {_short(new)}")
+    for group in _groups(stored):
+        for name, new in again[group].items():
+            if not _same(stored[group][name], new):
+                raise ProofError(f"{path}: {group}.{name} does not hold: computed again it is {_short(new)}")
 
 
 def _same(value: Any, new: Any) -> bool:

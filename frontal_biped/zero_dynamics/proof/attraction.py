@@ -2,20 +2,23 @@ r"""From which starts successive approximation converges to a gait, far from it.
 
 Invariance is imposed at x; Phi(x) is the zero of E(.; b(x)) that is met first from x on in the direction in which the
 surplus S(x) = E(x; b(x)) tells: downwards where it is negative and the robot turns back before x, upwards where it is
-positive. Let beta* be
-the only zero of S on [low, high], S > 0 to the left of it and S < 0 to the right; 0 <= k < 1, and the *middle* an
-interval about beta*, such that d, k times the distance of its farther end, is less than that of the nearer one.
+positive. Let beta* be the only zero of S on [low, high], S > 0 to the left of it and S < 0 to the right; 0 <= k < 1,
+and the *middle* an interval about beta*, such that d, k times the distance of its farther end, is less than that of the
+nearer one.
 
 **Claim.** If E(beta* - k (x - beta*); b(x)) has the sign of x - beta* on the middle, and E(beta* - d; b(x)) > 0 to the
 right of it, E(beta* + d; b(x)) < 0 to the left, then from every start in [low, high] the iteration x -> Phi(x) is
 defined and converges to beta*.
 
-**Proof.** On the middle S(x) has the other sign: a zero lies between, Phi(x) - beta* is in ]-k, 1[ times x - beta*,
-and the distance shrinks. To the right of the middle, Phi(x)
-lies in ]beta* - d, x[ likewise, so iterates fall until they are on the middle: a limit behind it would be a zero of S,
-since E is continuous. To the left they rise. On the middle the distances shrink to a limit r. Were r > 0, iterates
-would have a limit point x at a distance r of beta*, and their images likewise; these cannot be beyond beta*, nearer by
-the factor k, so they tend to x too, and S(x) = E(x; b(x)) = 0: a second zero.
+**Proof.** On the middle, where E has the one sign at beta* - k (x - beta*), S(x) has the other: a zero lies between,
+Phi(x) - beta* is in ]-k, 1[ times x - beta*, and the distance shrinks. To the right of the middle, Phi(x) lies in
+]beta* - d, x[ likewise, so iterates fall until they are on the middle: a limit behind it would be a zero of S, since E
+is continuous. To the left they rise. On the middle the distances shrink to a limit r. Were r > 0, iterates would have a
+limit point x at a distance r of beta*, and their images likewise; these cannot be beyond beta*, nearer by the factor k,
+so they tend to x too, and S(x) = E(x; b(x)) = 0: a second zero.
+
+It is about this Phi. One that looks for its zero by other means, as `reversal.solver` does by Newton's method, may find
+another one, or none where E is flat.
 
 Both functions are `Surplus` along rays, so their signs are those of models on discs of x. That I_P > 0 up to wherever E
 is asked is in them: to the right of beta* on the curves of S, to the left on those of the rays, which reach further.

@@ -22,9 +22,6 @@ PANELS = 16
 HALVINGS = 12
 """Of a panel, at most."""
 
-FINE = 1e-6
-"""Radius of the rate's integral on a panel, and of the drive relative to its size, above which it is halved."""
-
 
 class Panels(NamedTuple):
     """The zero dynamics on panels, from the impact to the point.
@@ -50,23 +47,23 @@ class Panels(NamedTuple):
         """Some of them, in a given order."""
         return Panels(self.low[which], self.rate.chosen(which), self.drive.chosen(which))
 
-    @property
-    def fine(self) -> NDArray[np.bool_]:
-        """(B,) is a panel known well? Not where nothing is known."""
-        return np.asarray((self.rate.radius <= FINE) & (self.drive.radius <= FINE * self.drive.norm))
+    def fine(self, share: float) -> NDArray[np.bool_]:
+        """(B,) is a panel known to a share of its energy? Not where nothing is known."""
+        return np.asarray((self.rate.radius <= share) & (self.drive.radius <= share * self.drive.norm))
 
 
-def work(half: HalfStep, ratio: Number) -> TaylorModel:
+def work(half: HalfStep, ratio: Number, share: float) -> TaylorModel:
     """W of a half step up to a point, as a function of the imposed reversal.
 
     Args:
         half: the curve, its columns models.
         ratio: s of the point; a number if it is the same for all reversals.
+        share: of its energy that a panel's radius may be; panels are halved until then.
 
     Raises:
         NotEnclosedError: I_P may vanish on the way.
     """
-    panels = _panels(half, ratio)
+    panels = _panels(half, ratio, share)
     F = panels.rate.antiderivative()
     begun = F.at(-1)
     K = F - begun + (F.at(1) - begun).before()
@@ -74,14 +71,15 @@ def work(half: HalfStep, ratio: Number) -> TaylorModel:
     return (energy.at(-1) - energy.at(1)).total()
 
 
-def _panels(half: HalfStep, ratio: Number) -> Panels:
+def _panels(half: HalfStep, ratio: Number, share: float) -> Panels:
     """Halved until they are fine."""
     low, width = np.linspace(0.0, 1.0, PANELS, endpoint=False), 1.0 / PANELS
     done: list[Panels] = []
     for _ in range(HALVINGS + 1):
         found = _on(half, ratio, low, width)
-        done.append(found.chosen(np.flatnonzero(found.fine)))
-        low = found.low[np.flatnonzero(~found.fine)]
+        fine = found.fine(share)
+        done.append(found.chosen(np.flatnonzero(fine)))
+        low = found.low[np.flatnonzero(~fine)]
         if not len(low):
             return Panels.in_order(done)
         if len(low) > PANELS:

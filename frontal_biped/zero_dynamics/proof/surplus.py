@@ -25,8 +25,14 @@ from frontal_biped.zero_dynamics.proof.taylor_model import TaylorModel
 CORE = 0.9
 """Share of a disc's real diameter that is used: there slopes are known to ten times the radius of the values."""
 
-NEAREST = 0.6
+NEAREST = 0.36
 """Reach of a disc over its distance from where the rising phase is empty, at most: S has a pole there."""
+
+FINE = 3e-6
+"""Share of its energy that a panel's radius may be, on a disc whose reach is its distance from there."""
+
+FINEST = 1e-9
+"""The same, at least: far enough from the rounding of doubles."""
 
 ACCURATE = 1e-3
 """Radius of E over its norm, at most: what is wider tells neither signs nor slopes."""
@@ -114,7 +120,8 @@ class Surplus:
         """
         centre, begin = (arb(low) + arb(high)) / 2, self.gait.begin
         reach = (arb(high) - arb(low)) / (2 * arb(CORE))
-        if not reach < NEAREST * (centre - begin):
+        size = reach / (centre - begin)
+        if not size < NEAREST:
             raise NotEnclosedError("rising phase")
         with np.errstate(all="ignore"):  # radii are infinite, or nan, where nothing is known
             x = TaylorModel.parameter(centre, reach)
@@ -123,8 +130,9 @@ class Surplus:
             if self.ray != DIAGONAL:
                 beta = self.ray.pivot + self.ray.share * (x - self.ray.pivot)
                 ratios = (beta - begin) / (x - begin), (beta - self.gait.end) / (x - self.gait.end)
-            works = [work(half, ratio) for half, ratio in zip((step.rising, step.falling), ratios, strict=True)]
-            surplus = step.jump() * works[1] - works[0]
+            share = max(FINE * float(size.mid()), FINEST)  # on a small disc E changes little
+            rising, falling = (work(*own, share) for own in zip((step.rising, step.falling), ratios, strict=True))
+            surplus = step.jump() * falling - rising
             if not surplus.radius[0] <= ACCURATE * surplus.norm[0]:
                 raise NotEnclosedError("E")
             return Disc(low, high, surplus, step.rising.at(ratios[0]).drive)

@@ -22,7 +22,6 @@ from functools import cached_property
 from typing import Any, Union
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from frontal_biped.arrays import FloatArray
@@ -116,7 +115,7 @@ class TaylorModel:
 
     def __add__(self, other: Operand) -> "TaylorModel":
         other = _model(other)
-        terms = np.add(*_of_one_shape(self.terms, other.terms))
+        terms = _sum(self.terms, other.terms)
         rounding = ROUNDOFF * np.abs(terms).sum(axis=(1, 2))
         return TaylorModel(terms, (self.radius + other.radius + rounding) * UP)
 
@@ -251,9 +250,12 @@ def _model(x: Operand) -> TaylorModel:
     return x if isinstance(x, TaylorModel) else TaylorModel.constants([arb(x)])
 
 
-def _of_one_shape(a: FloatArray, b: FloatArray) -> list[FloatArray]:
-    shape = tuple(max(m, n) for m, n in zip(a.shape[1:], b.shape[1:], strict=True))
-    return [np.pad(x, ((0, 0), *((0, n - m) for n, m in zip(shape, x.shape[1:], strict=True)))) for x in (a, b)]
+def _sum(a: FloatArray, b: FloatArray) -> FloatArray:
+    """(B, I, J) coefficients of the sums, each rounded once."""
+    total = np.zeros(tuple(max(m, n) for m, n in zip(a.shape, b.shape, strict=True)))
+    total[:, : a.shape[1], : a.shape[2]] = a
+    total[:, : b.shape[1], : b.shape[2]] += b
+    return total
 
 
 def _product(a: FloatArray, b: FloatArray) -> FloatArray:
@@ -265,7 +267,7 @@ def _product(a: FloatArray, b: FloatArray) -> FloatArray:
     padded = np.zeros((len(b), b.shape[1], columns + own - 1))
     padded[:, :, own - 1 : own - 1 + other] = b[:, :, :columns]
     # of every row of b all shifts, times every row of a backwards: products by y; then by t, row by row
-    shifted = np.ascontiguousarray(sliding_window_view(padded, own, axis=2)).reshape(len(b), -1, own)
+    shifted = padded[:, :, np.arange(columns)[:, None] + np.arange(own)].reshape(len(b), -1, own)
     by_y = (shifted @ a[:, :, ::-1].transpose(0, 2, 1)).reshape(-1, b.shape[1], columns, a.shape[1])
     found = np.zeros((len(by_y), rows, columns))
     for i in range(a.shape[1]):
