@@ -31,7 +31,7 @@ The transitions are those of exact arithmetic: within 1e-9 rad of the planned re
 falling phase as it is. Which c it chooses is proved, not assumed: on every tile its first one keeps enough inertia.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import nextafter
 from typing import NamedTuple
@@ -94,6 +94,23 @@ class ProvedBasin:
         ]
 
 
+class BasinTiles(NamedTuple):
+    """What a basin rests on.
+
+    Attributes:
+        beyond: the latest reversal, past the planned one [rad].
+        tiles: ends of the intervals of early reversals, from 0 on, before the planned one [rad].
+    """
+
+    beyond: float
+    tiles: tuple[float, ...]
+
+
+def no_basin(why: str) -> ProvedBasin:
+    """Nothing is known."""
+    return ProvedBasin(1.0, 1.0, arb.nan(), 0.0, (0.0,), (), why, why)
+
+
 FIRST_TILE, WIDENING = 1 / 1024, 1.25
 """Width of the first tile of early reversals, as a share of the rising phase's range; factor to the next, at most."""
 
@@ -106,27 +123,24 @@ FIRST_LATE, HALVINGS = 1 / 16, 6
 """The late reversal that is tried first, as a share of the rising phase's range, and bisections of the latest."""
 
 
-def prove_basin(
-    steps: PerturbedSteps, beyond: float | None = None, tiles: Sequence[float] | None = None
-) -> ProvedBasin:
+def prove_basin(steps: PerturbedSteps, rests_on: BasinTiles | None = None) -> ProvedBasin:
     """Prove a basin.
 
     Args:
         steps: the map.
-        beyond: the latest reversal, past the planned one [rad]; None: one is sought.
-        tiles: ends of intervals of early reversals, from 0 on [rad]; None: they are sought.
+        rests_on: tiles that do; None: they are sought.
     """
     range_ = float(steps.orbit.rising.path.span.mid())
     try:
-        late = _latest(steps, range_) if beyond is None else _Late.of(steps, beyond)
+        late = _latest(steps, range_) if rests_on is None else _Late.of(steps, rests_on.beyond)
         early = _Early((0.0,), steps.orbit.multiplier.upper(), late.limits, LOOKED)
-        if tiles is None:
+        if rests_on is None:
             early = _earliest(steps, early, range_)
         else:
-            for end in tiles[1:]:
+            for end in rests_on.tiles[1:]:
                 early = early.down_to(steps, end)
     except NotEnclosedError as error:
-        return ProvedBasin(1.0, 1.0, arb.nan(), 0.0, (0.0,), (), str(error), str(error))
+        return no_basin(str(error))
     orbit, earliest = steps.orbit.rising, early.ends[-1]
     _, M = at_share(orbit, arb(earliest) / orbit.path.span)
     # rounded inwards

@@ -1,15 +1,17 @@
 """All that is proved of a gait, statement by statement: `theorems` says what they are."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from frontal_biped.virtual_constraints.invariance import FreeParameters
 from frontal_biped.zero_dynamics.proof.attraction import Attraction, Tiles, attraction
 from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
+from frontal_biped.zero_dynamics.proof.basin import BasinTiles, ProvedBasin, no_basin, prove_basin
 from frontal_biped.zero_dynamics.proof.chain import BallChain
 from frontal_biped.zero_dynamics.proof.imposed_zeros import ImposedZeros, Interval, Partition, imposed_zeros
-from frontal_biped.zero_dynamics.proof.limits import Bound, Cuts, ProvedLimits, prove_limits, without_panels
+from frontal_biped.zero_dynamics.proof.limits import BallOrbit, Bound, Cuts, ProvedLimits, prove_limits, without_panels
+from frontal_biped.zero_dynamics.proof.perturbed_steps import PerturbedSteps
 from frontal_biped.zero_dynamics.proof.signs import Piece
 from frontal_biped.zero_dynamics.proof.theorems import (
     NEARBY,
@@ -41,10 +43,12 @@ class Asked(NamedTuple):
     Attributes:
         bounds: C01 to C09.
         sole: ends of the stance sole on the h axis, (outer < 0, inner > 0) [m].
+        perturbed: the steps about the orbit, whose basin is asked for.
     """
 
     bounds: Sequence[Bound]
     sole: tuple[float, float]
+    perturbed: Callable[[BallOrbit], PerturbedSteps]
 
 
 class Evidence(NamedTuple):
@@ -56,6 +60,7 @@ class Evidence(NamedTuple):
         radius: for successive approximation [rad]; 0: none.
         tiles: likewise; None: none.
         cuts: of the panels of the orbit; None: none.
+        basin: tiles; None: none.
     """
 
     pieces: tuple[Piece, ...]
@@ -63,6 +68,7 @@ class Evidence(NamedTuple):
     radius: float
     tiles: Tiles | None
     cuts: Cuts | None
+    basin: BasinTiles | None
 
 
 @dataclass(frozen=True)
@@ -76,6 +82,7 @@ class GaitProof:
         imposed: all zeros of S.
         attraction: of successive approximation, from far.
         limits: C01 to C09 on the whole orbit.
+        basin: speeds after the impact that return to it.
     """
 
     fixed: FixedZeros
@@ -84,6 +91,7 @@ class GaitProof:
     imposed: ImposedZeros
     attraction: Attraction
     limits: ProvedLimits
+    basin: ProvedBasin
 
     @property
     def rows(self) -> list[tuple[str, str]]:
@@ -107,6 +115,7 @@ class GaitProof:
             ),
             self.attraction.row,
             *self.limits.rows,
+            *self.basin.rows,
         ]
 
 
@@ -127,18 +136,31 @@ def prove_parameters(
     """
     gait = BallGait.of(chain, free)
     zero = nearest_zero(gait)
+    bounds, sole, _ = asked
     if evidence is None:
         fixed, near = fixed_zeros(gait, regions.fixed), convergence(gait, zero)
         imposed = imposed_zeros(gait, regions.imposed)
         far = attraction(gait, zero, near, imposed)
-        limits = prove_limits(gait, zero, *asked)
-    else:
-        radii = (evidence.radius,) if evidence.radius > 0.0 else ()
-        fixed, near = fixed_zeros(gait, regions.fixed, evidence.pieces), convergence(gait, zero, radii)
-        imposed = imposed_zeros(gait, regions.imposed, evidence.partition)
-        far, limits = Attraction(None, Proof.UNDECIDED), without_panels(asked.bounds)
-        if evidence.tiles is not None:
-            far = attraction(gait, zero, near, imposed, evidence.tiles)
-        if evidence.cuts is not None:
-            limits = prove_limits(gait, zero, *asked, evidence.cuts)
-    return GaitProof(fixed, zero, near, imposed, far, limits)
+        limits = prove_limits(gait, zero, bounds, sole)
+        basin = _basin(gait, zero, asked, limits.cuts)
+        return GaitProof(fixed, zero, near, imposed, far, limits, basin)
+    radii = (evidence.radius,) if evidence.radius > 0.0 else ()
+    fixed, near = fixed_zeros(gait, regions.fixed, evidence.pieces), convergence(gait, zero, radii)
+    imposed = imposed_zeros(gait, regions.imposed, evidence.partition)
+    far, limits, basin = Attraction(None, Proof.UNDECIDED), without_panels(bounds), no_basin("")
+    if evidence.tiles is not None:
+        far = attraction(gait, zero, near, imposed, evidence.tiles)
+    if evidence.cuts is not None:
+        limits = prove_limits(gait, zero, bounds, sole, evidence.cuts)
+    if evidence.basin is not None:
+        basin = _basin(gait, zero, asked, evidence.cuts, evidence.basin)
+    return GaitProof(fixed, zero, near, imposed, far, limits, basin)
+
+
+def _basin(
+    gait: BallGait, zero: NearestZero, asked: Asked, cuts: Cuts | None, rests_on: BasinTiles | None = None
+) -> ProvedBasin:
+    if cuts is None:
+        return no_basin("the orbit is not enclosed")
+    orbit = BallOrbit.of(gait, zero.reversal, asked.sole, cuts)
+    return prove_basin(asked.perturbed(orbit), rests_on)

@@ -13,7 +13,7 @@ from frontal_biped.virtual_constraints.anchoring import anchored_falling
 from frontal_biped.virtual_constraints.invariance import free_parameters
 from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.balls import arb, working
-from frontal_biped.zero_dynamics.proof.basin import prove_basin
+from frontal_biped.zero_dynamics.proof.basin import BasinTiles, prove_basin
 from frontal_biped.zero_dynamics.proof.chain import BallChain
 from frontal_biped.zero_dynamics.proof.limits import BallOrbit, Bound
 from frontal_biped.zero_dynamics.proof.reversals import EarlyPath, LatePath, Mismatch
@@ -55,7 +55,7 @@ def steps(biped, reference_gait):
 def proved(steps):
     """With a late reversal and tiles that are given: nothing is sought."""
     range_ = steps.gait.rising.range
-    return steps.proved(LATE * range_, [k * TILE * range_ for k in range(4)])
+    return steps.proved(BasinTiles(LATE * range_, tuple(k * TILE * range_ for k in range(4))))
 
 
 def holds_and_agrees(steps, proved):
@@ -87,7 +87,7 @@ def test_the_widest_that_is_found(which, biped, request):
     proved = steps.proved()
     holds_and_agrees(steps, proved)
     shrinks_as_measured(steps, (1.0 - share * (1.0 - proved.low) for share in (0.1, 0.6, 1.0)))
-    again = steps.proved(proved.beyond, proved.tiles)
+    again = steps.proved(BasinTiles(proved.beyond, proved.tiles))
     assert (again.low, again.high, again.tiles) == (proved.low, proved.high, proved.tiles)
     assert again.factor.overlaps(proved.factor)
     assert again.proved is Proof.PROVED
@@ -187,10 +187,10 @@ def test_wider_than_measured_is_not_proved(steps, proved):
     for ratio in (1.05 * basin.high, 1.01 * basin.high):
         beyond = steps.measured.step(steps.measured.start(ratio)).reversal - steps.gait.beta_reversal
         assert beyond > proved.beyond
-        assert steps.proved(beyond, [0.0]).proved is Proof.UNDECIDED
+        assert steps.proved(BasinTiles(beyond, (0.0,))).proved is Proof.UNDECIDED
     early = steps.gait.beta_reversal - steps.measured.step(steps.measured.start(0.98 * basin.low)).reversal
-    assert steps.proved(proved.beyond, [*proved.tiles, early]).proved is Proof.UNDECIDED
-    assert steps.proved(proved.beyond, [0.0, early]).proved is Proof.UNDECIDED
+    assert steps.proved(BasinTiles(proved.beyond, (*proved.tiles, early))).proved is Proof.UNDECIDED
+    assert steps.proved(BasinTiles(proved.beyond, (0.0, early))).proved is Proof.UNDECIDED
 
 
 def test_a_limit_that_the_orbit_does_not_keep_leaves_nothing(steps):
