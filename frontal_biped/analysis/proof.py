@@ -72,6 +72,10 @@ VERSION = 1
 """Of the file format."""
 
 
+MOST_ROWS = 7
+"""Of the statements that a certificate names where it is only shown."""
+
+
 @dataclass(frozen=True)
 class ProofCertificate:
     """What was proved of a gait, with the gait.
@@ -85,7 +89,8 @@ class ProofCertificate:
     proof: GaitProof
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__} of {self.gait.robot.name!r}\n{self}"
+        verdicts = "\n".join(f"  {name}: {text.split(':')[0]}" for name, text in self.proof.rows[:MOST_ROWS])
+        return f"{type(self).__name__} of {self.gait.robot.name!r}\n{verdicts}"
 
     def __str__(self) -> str:
         return "\n".join(f"{name:26} {text}" for name, text in self.proof.rows)

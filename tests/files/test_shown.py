@@ -18,8 +18,10 @@ from frontal_biped.simulation.orbit import orbit_trajectory
 from frontal_biped.simulation.space.run import SAMPLED, SpatialRun
 from frontal_biped.zero_dynamics.proof.attraction import Attraction, Tiles
 from frontal_biped.zero_dynamics.proof.balls import arb
+from frontal_biped.zero_dynamics.proof.basin import no_basin
 from frontal_biped.zero_dynamics.proof.gait_proof import GaitProof
 from frontal_biped.zero_dynamics.proof.imposed_zeros import ImposedZeros
+from frontal_biped.zero_dynamics.proof.limits import ProvedLimits
 from frontal_biped.zero_dynamics.proof.signs import ProvedCount
 from frontal_biped.zero_dynamics.proof.theorems import Convergence, FixedZeros, NearestZero, Proof
 
@@ -31,6 +33,8 @@ PROOF = GaitProof(
     Convergence(1e-6, arb(0.3), Proof.PROVED),
     ImposedZeros(((-1.6, -1.5),), (ProvedCount((), ((-1.56, -1.55),), ()),), ((-1.56, -1.55),), ((-1.6, -1.5),)),
     Attraction(Tiles(0.0, (), ((-1.56, -1.55),), ()), Proof.PROVED),
+    ProvedLimits((), None),
+    no_basin("the orbit is not enclosed"),
 )
 
 

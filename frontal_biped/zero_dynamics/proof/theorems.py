@@ -1,7 +1,7 @@
 r"""What is proved of a gait, and under which hypotheses.
 
-All of it is about the zero dynamics in exact arithmetic, of the planar robot whose numbers are exactly the doubles that
-were loaded, for free parameters (`FreeParameters`) that are exactly the doubles of the gait file; columns that hybrid
+All of it is about the zero dynamics in exact arithmetic, of the planar robot that follows from the decimal numbers of
+URDF and description (`decimals`), for free parameters (`FreeParameters`) that are exactly the doubles of the gait file; columns that hybrid
 invariance determines follow from those exactly, not as the file rounded them. The regions are those
 of the measured certificate (`reversal.certificate`), their ends taken as exact numbers.
 
@@ -31,6 +31,12 @@ sign: so E(.; b(x)) has its only zero of the interval within kappa |x - beta*| o
 **From far** (`attraction`, with the proof). *From every start in the interval given successive approximation converges
 to that zero, where it takes the zero of E(.; b(x)) that is met first from x on, downwards where S(x) < 0, upwards where
 S(x) > 0.*
+
+**Limits** (`limits`, with the proof). *On the whole periodic orbit through that zero C01 to C09 are kept, between the
+points of every grid too.*
+
+**Basin** (`basin`, with the proof). *From every speed after the impact in the interval given, re-anchored transitions
+return to that orbit; every step on the way exists and keeps the limits of contact and motors.*
 """
 
 from dataclasses import dataclass
