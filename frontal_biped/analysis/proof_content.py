@@ -107,7 +107,8 @@ def evidence_from_dict(path: Path, stored: dict[str, Any]) -> tuple[Regions, Evi
         cuts = Cuts(*(tuple(float(cut) for cut in cuts[half]) for half in Cuts._fields))
     basin = stored.get("basin", NO_BASIN)
     if basin["tiles"] is not None:
-        basin = BasinTiles(float(basin["beyond"]), tuple(float(end) for end in basin["tiles"]))
+        limited_by = str(basin["limited_by"][0]), str(basin["limited_by"][1])
+        basin = BasinTiles(float(basin["beyond"]), tuple(float(end) for end in basin["tiles"]), limited_by)
     else:
         basin = None
     return regions, Evidence(pieces, partition, float(stored["convergence"]["radius"]), tiles, cuts, basin)
@@ -197,6 +198,7 @@ def _basin_listed(basin: ProvedBasin) -> dict[str, Any]:
         "factor": _ball(basin.factor),
         "beyond": basin.beyond,
         "tiles": list(basin.tiles),
+        "limited_by": [basin.low_limited_by, basin.high_limited_by],
     }
 
 

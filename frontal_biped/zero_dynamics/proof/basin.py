@@ -94,16 +94,21 @@ class ProvedBasin:
         ]
 
 
+LOOKED = "that is as far as was looked"
+
+
 class BasinTiles(NamedTuple):
     """What a basin rests on.
 
     Attributes:
         beyond: the latest reversal, past the planned one [rad].
         tiles: ends of the intervals of early reversals, from 0 on, before the planned one [rad].
+        limited_by: what kept lower and higher speeds from being proved when they were sought.
     """
 
     beyond: float
     tiles: tuple[float, ...]
+    limited_by: tuple[str, str] = (LOOKED, LOOKED)
 
 
 def no_basin(why: str) -> ProvedBasin:
@@ -116,8 +121,6 @@ FIRST_TILE, WIDENING = 1 / 1024, 1.25
 
 LEAST_TILE, TILES = 1 / 8192, 120
 """Width below which a tile is not halved again, likewise, and how many there are at most."""
-
-LOOKED = "that is as far as was looked"
 
 FIRST_LATE, HALVINGS = 1 / 16, 6
 """The late reversal that is tried first, as a share of the rising phase's range, and bisections of the latest."""
@@ -146,7 +149,8 @@ def prove_basin(steps: PerturbedSteps, rests_on: BasinTiles | None = None) -> Pr
     # rounded inwards
     low = nextafter(float((1 - M * arb(earliest) / orbit.energy).sqrt().upper()), 1.0)
     high = nextafter(float((1 + late.energy / orbit.energy).sqrt().lower()), 1.0)
-    return ProvedBasin(low, high, early.factor, late.beyond, early.ends, early.limits, early.why, late.why)
+    why = (early.why, late.why) if rests_on is None else rests_on.limited_by
+    return ProvedBasin(low, high, early.factor, late.beyond, early.ends, early.limits, *why)
 
 
 class _Late(NamedTuple):

@@ -1,8 +1,8 @@
 r"""What is proved of a gait, and under which hypotheses.
 
 All of it is about the zero dynamics in exact arithmetic, of the planar robot that follows from the decimal numbers of
-URDF and description (`decimals`), for free parameters (`FreeParameters`) that are exactly the doubles of the gait file; columns that hybrid
-invariance determines follow from those exactly, not as the file rounded them. The regions are those
+URDF and description (`decimals`), for free parameters (`FreeParameters`) that are exactly the doubles of the gait file;
+columns that hybrid invariance determines follow from those exactly, not as the file rounded them. The regions are those
 of the measured certificate (`reversal.certificate`), their ends taken as exact numbers.
 
 **Fixed parameters.** *With the columns imposed at the planned reversal, E(beta; b), and so Z(beta; b), is defined on
