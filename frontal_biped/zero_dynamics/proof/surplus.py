@@ -40,8 +40,8 @@ ACCURATE = 1e-3
 SMALLEST = 1 / 16
 """Width of a piece over that of its disc, below which a disc of its own is made where the old one does not decide."""
 
-MOST_DISCS = 150
-"""Made for one function."""
+MOST_DISCS = 60
+"""Tried for one function, those that are too wide among them."""
 
 
 class Disc(NamedTuple):
@@ -110,6 +110,7 @@ class Surplus:
     ) -> None:
         self.gait, self.ray = gait, ray
         self._sought = discs is None
+        self._tried = 0
         self.discs = [self.disc(*ends) for ends in discs or ()]
 
     def disc(self, low: float, high: float) -> Disc:
@@ -149,8 +150,9 @@ class Surplus:
             known = disc.known(low, high)
             if known.kind.decided or not self._sought or high - low > SMALLEST * (disc.high - disc.low):
                 return known
-        if not self._sought or len(self.discs) >= MOST_DISCS:
+        if not self._sought or self._tried >= MOST_DISCS:
             raise NotEnclosedError("E")
+        self._tried += 1
         self.discs.append(self.disc(low, high))
         return self.discs[-1].known(low, high)
 

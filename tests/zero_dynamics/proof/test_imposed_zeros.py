@@ -5,6 +5,7 @@ import pytest
 
 from frontal_biped.model.catalogue import biped_of
 from frontal_biped.zero_dynamics.proof import imposed_zeros as module
+from frontal_biped.zero_dynamics.proof import surplus
 from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.balls import arb, working
 from frontal_biped.zero_dynamics.proof.chain import BallChain
@@ -43,6 +44,17 @@ def test_no_zero(balls):
     assert found.counted is Proof.PROVED
     assert found.places == ()
     assert found.around(arb(planned)) is None
+
+
+@pytest.mark.parametrize(("error", "counted"), [(1e-18, Proof.PROVED), (1e-13, Proof.UNDECIDED)])
+def test_a_robot_that_is_not_well_known(balls, error, counted, monkeypatch):
+    """With all of its numbers widened the count is the same, or undecided, and the effort is bounded."""
+    monkeypatch.setattr(surplus, "MOST_DISCS", 6)
+    chain = BallChain.of(biped_of("frontal_biped").chain, error)
+    planned = balls.free.beta_reversal
+    found = imposed_zeros(BallGait.of(chain, balls.free), ((planned - 1e-3, planned + 2e-3),))
+    assert found.counted is counted
+    assert len(found.places) == (1 if counted is Proof.PROVED else 0)
 
 
 @pytest.mark.parametrize("side", [-1, 1])
