@@ -19,20 +19,36 @@ A certificate is a JSON file:
 ``reversal``    the zero of S near the plan: balls ``reversal`` [rad], ``slope``, ``multiplier``, verdicts ``proved``
                 and ``stable``
 ``convergence`` of successive approximation: ``radius`` [rad], ball ``factor``, verdict ``proved``
+``imposed``     all zeros of S: ``orders`` of the models, ``regions``, ``discs``, ``zeros`` and ``undecided`` [rad], the
+                partition ``pieces`` of each region, verdicts ``counted`` and ``unique``
+``attraction``  of successive approximation, from far: ``reach`` [rad], verdict ``proved``, and what it rests on,
+                ``share`` and the intervals ``left``, ``middle`` and ``right`` [rad]; null where nothing was found
+``limits``      C01 to C09 on the orbit: verdict ``proved``, ``cuts`` of the panels of the ``rising`` and the
+                ``falling`` half, shares of the way from the reversal, null where there are none; and ``bounds``, each
+                with ``code``, ``name``, ``unit``, ``lower``, ``upper``, ``strict`` and ``tolerance`` as it was asked,
+                the ball ``margin``, and verdicts ``proved``, within the tolerance, and ``exactly``, without
+``basin``       speeds after the impact that return under the stabiliser named, without looking ahead: ``low`` and
+                ``high`` relative to the orbit's, ball ``factor`` of the energy error in a step, verdict ``proved``, and
+                what it rests on, ``beyond`` and ``tiles`` [rad]; ``limited_by``: what stood in the way of lower and of
+                higher speeds
 ``sha256``      of all the rest
 ==============  ====================================================================================================
 
-A ball is {"mid": "m*2^e", "rad": "m*2^e"}, exactly; one that is not known is null.
+A ball is {"mid": "m*2^e", "rad": "m*2^e"}, exactly; one that is not known is null. From before they were proved there
+are files without ``imposed``, ``attraction``, ``limits`` and ``basin``, which make no such statements.
 """
 
 import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from frontal_biped.analysis.proof_content import REMEDY, evidence_from_dict, proof_to_dict, require_same
+from frontal_biped.analysis.proof_inputs import asked_bounds, perturbed_steps
 from frontal_biped.exceptions import ProofError
 from frontal_biped.files.atomic import write_json
 from frontal_biped.files.kinds import PROOF
@@ -45,18 +61,20 @@ from frontal_biped.gait.robot_path import description_file, with_found_descripti
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.catalogue import RobotLike, biped_of
 from frontal_biped.virtual_constraints.invariance import free_parameters
-from frontal_biped.zero_dynamics.proof.balls import ORDER, PRECISION, Ball, as_text, from_text, working
-from frontal_biped.zero_dynamics.proof.chain import BallChain
+from frontal_biped.zero_dynamics.proof.balls import ORDER, PRECISION, working
+from frontal_biped.zero_dynamics.proof.decimals import decimal_chain
+from frontal_biped.zero_dynamics.proof.gait_proof import Asked, Evidence, GaitProof, Regions, prove_parameters
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
-from frontal_biped.zero_dynamics.proof.signs import Kind, Piece
-from frontal_biped.zero_dynamics.proof.theorems import GaitProof, prove_parameters
+from frontal_biped.zero_dynamics.proof.theorems import Proof
 from frontal_biped.zero_dynamics.reversal.problem import ReversalProblem
-from frontal_biped.zero_dynamics.reversal.zeros import regular_region
+from frontal_biped.zero_dynamics.reversal.zeros import imposed_regions, regular_region
 
 VERSION = 1
 """Of the file format."""
 
-REMEDY = "prove the gait again with `frontal-biped analyze GAIT --prove`"
+
+MOST_ROWS = 7
+"""Of the statements that a certificate names where it is only shown."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +90,8 @@ class ProofCertificate:
     proof: GaitProof
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__} of {self.gait.robot.name!r}\n{self}"
+        verdicts = "\n".join(f"  {name}: {text.split(':')[0]}" for name, text in self.proof.rows[:MOST_ROWS])
+        return f"{type(self).__name__} of {self.gait.robot.name!r}\n{verdicts}"
 
     def __str__(self) -> str:
         return "\n".join(f"{name:26} {text}" for name, text in self.proof.rows)
@@ -82,30 +101,22 @@ class ProofCertificate:
         gait: Mapping[str, Any] = gait_to_dict(self.gait)
         if folder is not None:
             gait = with_stored_description(gait, folder)
-        fixed, zero, near = self.proof.fixed, self.proof.zero, self.proof.convergence
         content: dict[str, Any] = {
             "format": PROOF,
             "version": VERSION,
             "software": software_versions() | {"python-flint": version("python-flint")},
             "settings": {"precision": PRECISION, "order": ORDER},
             "gait": gait,
-            "fixed": {
-                "region": list(fixed.region),
-                "pieces": [[a, b, kind.value] for a, b, kind in fixed.found.pieces],
-                "zeros": [list(place) for place in fixed.found.zeros],
-                "counted": fixed.counted.value,
-                "unique": fixed.unique.value,
-            },
-            "reversal": {
-                "reversal": _ball(zero.reversal),
-                "slope": _ball(zero.slope),
-                "multiplier": _ball(zero.multiplier),
-                "proved": zero.proved.value,
-                "stable": zero.stable.value,
-            },
-            "convergence": {"radius": near.radius, "factor": _ball(near.factor), "proved": near.proved.value},
+            **proof_to_dict(self.proof),
         }
         return content | {"sha256": _digest(content)}
+
+    def converges_from(self, start: float) -> Proof:
+        """Does the successive approximation of [O] Sec. III-D converge to this gait from a start [rad]?
+
+        Each time the zero of Z is taken that is met first (`zero_dynamics.proof.attraction`).
+        """
+        return self.proof.attraction.converges_from(start)
 
     def save(self, path: Path | str) -> None:
         """Write the certificate file; whole or not at all."""
@@ -128,26 +139,17 @@ def prove(robot: RobotLike, gait: GaitLike) -> ProofCertificate:
     """
     biped, own = biped_of(robot), gait_of(gait)
     phases = own.rising, own.falling, own.step_width
-    # the region of the measured certificate: found by quadrature, then taken as exact
+    # the regions of the measured certificate: found by quadrature, then taken as exact
     problem = ReversalProblem.of_phases(biped, *phases, converged_nodes(biped, *phases))
-    return _proved(biped, own, regular_region(problem))
+    return _proved(biped, own, Regions(regular_region(problem), imposed_regions(problem)))
 
 
-def _proved(
-    biped: FrontalBiped,
-    gait: Gait,
-    region: tuple[float, float],
-    pieces: tuple[Piece, ...] | None = None,
-    radius: float | None = None,
-) -> ProofCertificate:
+def _proved(biped: FrontalBiped, gait: Gait, regions: Regions, evidence: Evidence | None = None) -> ProofCertificate:
     free = free_parameters(gait.rising, gait.falling, gait.step_width)
     try:
         with working():
-            chain = BallChain.of(biped.chain)
-            if radius is None:
-                return ProofCertificate(gait, prove_parameters(chain, free, region))
-            radii = (radius,) if radius > 0.0 else ()
-            return ProofCertificate(gait, prove_parameters(chain, free, region, pieces, radii))
+            asked = Asked(asked_bounds(biped, gait), biped.sole, partial(perturbed_steps, biped, gait))
+            return ProofCertificate(gait, prove_parameters(decimal_chain(biped), free, regions, asked, evidence))
     except NotEnclosedError as error:
         raise ProofError(f"{gait.robot.name}: {error}: the balls are too wide to tell whether it exists") from None
 
@@ -176,21 +178,11 @@ def verify(path: Path | str, robot: RobotLike | None = None, gait: GaitLike | No
             f"{path}: is about {own.robot.name} with another URDF or description than {biped.path.name}; {REMEDY}"
         )
     try:
-        fixed = stored["fixed"]
-        pieces = tuple(Piece(float(a), float(b), Kind(kind)) for a, b, kind in fixed["pieces"])
-        region = float(fixed["region"][0]), float(fixed["region"][1])
-        _require_cover(path, pieces, region)
-        again = _proved(biped, own, region, pieces, float(stored["convergence"]["radius"]))
-        _compare(path, stored, again.as_dict())
+        again = _proved(biped, own, *evidence_from_dict(path, stored))
+        require_same(path, stored, again.as_dict())
     except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
         raise ProofError(f"{path}: not what a certificate holds ({error}); {REMEDY}") from None
     return again
-
-
-def _require_cover(path: Path, pieces: tuple[Piece, ...], region: tuple[float, float]) -> None:
-    ends = [region[0], *(piece.high for piece in pieces)]
-    if [piece.low for piece in pieces] != ends[:-1] or ends[-1] != region[1]:
-        raise ProofError(f"{path}: fixed.pieces do not cover the region; {REMEDY}")
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -210,29 +202,8 @@ def _read(path: Path) -> dict[str, Any]:
     return stored
 
 
-def _compare(path: Path, stored: dict[str, Any], again: dict[str, Any]) -> None:
-    """Statements must be the same, balls must have a number in common."""
-    for group in ("fixed", "reversal", "convergence"):
-        for name, new in again[group].items():
-            value = stored[group][name]
-            if isinstance(value, dict) and isinstance(new, dict):
-                same = bool(from_text(value).overlaps(from_text(new)))
-            else:
-                same = value == new
-            if not same:
-                raise ProofError(f"{path}: {group}.{name} does not hold: computed again it is {_short(new)}")
-
-
-def _short(value: Any) -> str:
-    return str(from_text(value)) if isinstance(value, dict) else str(value)[:80]
-
-
 def _steps(table: dict[str, Any]) -> Any:
     return table.get("steps")
-
-
-def _ball(ball: Ball) -> dict[str, str] | None:
-    return as_text(ball) if ball.is_finite() else None
 
 
 def _digest(content: dict[str, Any]) -> str:

@@ -66,6 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
         found = analyze_sideways(biped, gait)
         emit(arguments, found.as_dict(), str(found) if arguments.verbose else found.summary)
         return SUCCESS if found.certified else TASK_FAILED
+    contradictions: tuple[str, ...] = ()
     with Progress("analysing:") as progress:
         progress.update("orbit, reversal and certificate")
         analysis = analyze(biped, gait)
@@ -77,11 +78,20 @@ def run(arguments: argparse.Namespace) -> int:
             text += f"\n\n{card}"
         if kept is not None:
             from frontal_biped.analysis.proof import prove
+            from frontal_biped.analysis.statements import defects, in_brief, statements, table_text
 
             progress.update("proof in ball arithmetic")
             certificate = prove(biped, gait)
             certificate.save(kept)
-            table["proof"] = certificate.as_dict(kept.parent)
-            text += f"\n\n{certificate}\n{'certificate of the proof':26} {kept}"
+            told = statements(analysis, certificate.proof)
+            contradictions = defects(told)
+            table |= {
+                "proof": certificate.as_dict(kept.parent),
+                "statements": [statement.as_dict() for statement in told],
+                "defects": list(contradictions),
+            }
+            shown = table_text(told if arguments.verbose else in_brief(told))
+            kept_at = f"{'certificate of the proof':26} {kept}"
+            text += "\n".join(["\n", str(certificate), kept_at, "", shown, *contradictions])
     emit(arguments, table, text)
-    return SUCCESS if analysis.certified else TASK_FAILED
+    return SUCCESS if analysis.certified and not contradictions else TASK_FAILED

@@ -12,8 +12,13 @@ EXAMPLE = "frontal-biped demo --out demo"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Folder, robot, JSON."""
+    """Folder, proof, robot, JSON."""
     add_value(parser, "--out", "DIR", folder, "demo", "folder to write")
+    parser.add_argument(
+        "--prove",
+        action="store_true",
+        help="prove the gait in ball arithmetic as well (extra proof), half a minute; the page then has both verdicts",
+    )
     add_robot(parser, "frontal_biped")
     add_json(parser)
 
@@ -25,6 +30,6 @@ def run(arguments: argparse.Namespace) -> int:
 
     biped = load_robot(arguments.robot)
     with Progress("demo:") as progress:
-        report = make_demo(biped, arguments.out, on_progress=progress.update)
+        report = make_demo(biped, arguments.out, on_progress=progress.update, prove=arguments.prove)
     emit(arguments, report.as_dict(), str(report))
     return SUCCESS if report.success else TASK_FAILED

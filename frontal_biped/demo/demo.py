@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -53,7 +54,7 @@ SPEED_ERROR_STEPS = 3  # the decay by the multiplier shows after a few
 Say = Callable[[str], None]
 
 
-def make_demo(biped: FrontalBiped, folder: Path, on_progress: Say | None = None) -> DemoReport:
+def make_demo(biped: FrontalBiped, folder: Path, on_progress: Say | None = None, *, prove: bool = False) -> DemoReport:
     """Design, certify, simulate, draw, and write one folder.
 
     Everything is made in a temporary folder first; the demonstration's files move to ``folder`` only when all of
@@ -63,13 +64,14 @@ def make_demo(biped: FrontalBiped, folder: Path, on_progress: Say | None = None)
         biped: the robot.
         folder: to write ``gait.json``, ``run.npz``, ``report.json``, ``report.html`` and ``figures/`` to.
         on_progress: called with what is being done.
+        prove: prove the gait in ball arithmetic as well, and write ``gait.proof.json``? It takes half a minute.
 
     Returns:
         The report.
 
     Raises:
         DesignFailedError: no gait was found.
-        MissingExtraError: matplotlib is not installed.
+        MissingExtraError: matplotlib is not installed; to prove, python-flint.
         OSError: the folder cannot be written.
     """
     require_folder(folder)
@@ -79,6 +81,8 @@ def make_demo(biped: FrontalBiped, folder: Path, on_progress: Say | None = None)
         made = Path(scratch) / "demo"  # with the usual permissions; those of the scratch folder are private
         made.mkdir()
         report, run, gait, figures = _compute(biped, folder, made / "figures", say, seconds)
+        if prove:
+            report = _proved(biped, gait, report, made, say, seconds)
         say("drawing the page")
         with _timed("page", seconds):
             save_gait(gait, made / "gait.json")
@@ -158,6 +162,19 @@ def _compute(
     return report, run, gait, paths
 
 
+def _proved(
+    biped: FrontalBiped, gait: Gait, report: DemoReport, folder: Path, say: Say, seconds: dict[str, float]
+) -> DemoReport:
+    from frontal_biped.analysis.proof import prove
+    from frontal_biped.analysis.statements import statements
+
+    say("proving it in ball arithmetic")
+    with _timed("proof", seconds):
+        certificate = prove(biped, gait)
+        certificate.save(folder / "gait.proof.json")
+    return replace(report, statements=statements(report.analysis, certificate.proof))
+
+
 def _take_speed_errors(biped: FrontalBiped, gait: Gait) -> tuple[SpeedErrorOutcome, ...]:
     """What errors of speed do to the gait with the paper's transitions."""
     return tuple(speed_error_outcome(biped, gait, error, steps=SPEED_ERROR_STEPS) for error in SPEED_ERRORS)
@@ -229,6 +246,7 @@ def _draw(biped: FrontalBiped, run: Trajectory, report: DemoReport, paths: list[
         robustness=[
             (f"{name} gait", [(row, text) for row, text in card.rows()]) for name, card in report.robustness.items()
         ],
+        statements=[statement.row for statement in report.statements_in_brief],
         notes=[
             "Sensitivity, with the paper's fixed transition at the planned reversal:",
             *(str(outcome) for outcome in report.speed_errors),

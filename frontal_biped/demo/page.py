@@ -31,6 +31,7 @@ def report_page(
     numbers: Sequence[NumberRow] = (),
     constraints: Sequence[ConstraintRow] = (),
     robustness: Sequence[tuple[str, Sequence[tuple[str, str]]]] = (),
+    statements: Sequence[tuple[str, str, str]] = (),
     notes: Sequence[str] = (),
     title: str | None = None,
     subtitle: str = "",
@@ -44,6 +45,7 @@ def report_page(
         numbers: key numbers.
         constraints: constraint table.
         robustness: (gait, rows of name and text) of robustness cards.
+        statements: what was said of the gait, the verdict by measurement, and the one by proof.
         notes: paragraphs of plain text.
         title: of the page; None: the robot's name.
         subtitle: a line below it.
@@ -60,7 +62,7 @@ def report_page(
         animation=html.escape(animation, quote=True),
         numbers=_numbers_table(numbers),
         constraints=_constraint_table(constraints),
-        notes=_robustness_tables(robustness) + _notes(notes),
+        notes=_statement_table(statements) + _robustness_tables(robustness) + _notes(notes),
         figures="\n".join(
             f"<figure>\n{_both_schemes(svg)}\n"
             f"<figcaption>{html.escape(FIGURES.get(caption, caption))}</figcaption>\n</figure>"
@@ -112,6 +114,20 @@ def _constraint_table(rows: Sequence[ConstraintRow]) -> str:
     return (
         f'<section id="constraints">\n<h2>Constraints</h2>\n<div class="scroll"><table>\n'
         f"<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table></div>\n</section>"
+    )
+
+
+def _statement_table(rows: Sequence[tuple[str, str, str]]) -> str:
+    if not rows:
+        return ""
+    body = "\n".join(
+        f'<tr><th scope="row">{typeset(name)}</th><td>{html.escape(measured)}</td><td>{html.escape(proved)}</td></tr>'
+        for name, measured, proved in rows
+    )
+    head = "".join(f'<th scope="col">{word}</th>' for word in ("statement", "measured", "proved"))
+    return (
+        f'<section id="statements">\n<h2>Proof</h2>\n<div class="scroll"><table>\n<thead><tr>{head}</tr></thead>\n'
+        f"<tbody>\n{body}\n</tbody>\n</table></div>\n</section>\n"
     )
 
 

@@ -1,14 +1,18 @@
 """What the demonstration found, as numbers, text and JSON."""
 
+from collections import Counter
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from frontal_biped.analysis.closed_form import GaitAnalysis
 from frontal_biped.analysis.robustness import RobustnessCard
 from frontal_biped.analysis.sensitivity import SensitivityExperiment, SpeedErrorOutcome
 from frontal_biped.design.optimise import DesignResult
 from frontal_biped.files.provenance import software_versions
+
+if TYPE_CHECKING:
+    from frontal_biped.analysis.statements import Statement  # needs the extra `proof`
 
 
 @dataclass(frozen=True)
@@ -44,6 +48,7 @@ class DemoReport:
         speed_errors: what errors in the post-impact speed do.
         sensitivity: loss of invariance over the error of the reversal.
         robustness: of the gait, and of the one the specification `robust` gives.
+        statements: on the gait, measured and proved; () where it was not asked.
         seconds: wall time by stage [s]; what ran in another process meanwhile is in the last one.
     """
 
@@ -61,11 +66,22 @@ class DemoReport:
     sensitivity: SensitivityExperiment
     robustness: dict[str, RobustnessCard]
     seconds: dict[str, float]
+    statements: "tuple[Statement, ...]" = ()
 
     @property
     def success(self) -> bool:
-        """Certified, and both runs walked every step."""
-        return self.analysis.certified and self.sampled.steps_completed == self.steps
+        """Certified, contradicted by no proof, and both runs walked every step."""
+        contradicted = any(statement.contradicted for statement in self.statements)
+        return self.analysis.certified and not contradicted and self.sampled.steps_completed == self.steps
+
+    @property
+    def statements_in_brief(self) -> "tuple[Statement, ...]":
+        """Of C01 to C09 only what is open."""
+        if not self.statements:
+            return ()
+        from frontal_biped.analysis.statements import in_brief
+
+        return in_brief(self.statements)
 
     def figures(self) -> list[tuple[str, str, str]]:
         """(name, value, unit) of the key numbers."""
@@ -121,6 +137,7 @@ class DemoReport:
             "speed_errors": [asdict(outcome) for outcome in self.speed_errors],
             "sensitivity": self.sensitivity.as_dict(),
             "robustness": {name: card.as_dict() for name, card in self.robustness.items()},
+            "statements": [statement.as_dict() for statement in self.statements],
             "seconds": self.seconds,
         }
 
@@ -129,6 +146,10 @@ class DemoReport:
         notes = [f"sensitivity: {outcome}" for outcome in self.speed_errors]
         for gait, card in self.robustness.items():
             notes += [f"{gait} gait, {name.strip()}: {text}" for name, text in card.rows()]
+        if self.statements:
+            verdicts = Counter(statement.proved.value for statement in self.statements)
+            told = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
+            notes.append(f"statements on the gait in ball arithmetic: {told}; see gait.proof.json")
         total = sum(self.seconds.values())
         return "\n".join(
             [*rows, *notes, f"written to {self.folder} in {total:.1f} s; open {self.folder / 'report.html'}"]

@@ -6,6 +6,7 @@ The first argument of each, ``tell``, takes a line of news; a robot is named as 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from importlib.util import find_spec
 
 import numpy as np
 
@@ -35,6 +36,9 @@ from frontal_biped.studio.drawing import Clip, Drawing, clip_of, drawing_of
 from frontal_biped.viewer.page import animation_page
 
 Tell = Callable[[str], None]
+
+Row = tuple[str, str, str]
+"""Statement, measured, proved: of a table."""
 
 LOOP_STEPS = 2
 """Steps of the gait on screen: left and right, then it repeats."""
@@ -194,6 +198,21 @@ def certify(tell: Tell, name: str, gait: Gait) -> Certified:
     found = analysis.certificate
     rows = () if found is None else tuple((title.strip(), text) for title, text in found.rows())
     return Certified(analysis.certified, analysis.certificate_text, max(analysis.residuals.values()), rows)
+
+
+PROVABLE = find_spec("flint") is not None
+"""Is the extra `proof` installed?"""
+
+
+def prove(tell: Tell, name: str, gait: Gait) -> tuple[Row, ...]:
+    """What is proved of a gait beside what is measured of it; takes half a minute, and the extra `proof`."""
+    from frontal_biped.analysis.proof import prove
+    from frontal_biped.analysis.statements import in_brief, statements
+
+    tell("proving it in ball arithmetic")
+    biped = robot(name)
+    found = statements(analyze(biped, gait, in_space=False), prove(biped, gait).proof)
+    return tuple(statement.row for statement in in_brief(found))
 
 
 def page(tell: Tell, name: str, gait: Gait) -> str:

@@ -5,6 +5,9 @@ import html
 from frontal_biped.gait.check import ConstraintCheck, ConstraintReport
 from frontal_biped.studio.workbench import State
 
+HEAD = ("statement", "measured", "proved")
+"""Of the table of what is proved."""
+
 GOOD, BUSY, BAD, PLAIN = "#1a7f37", "#9a6700", "#c4231c", "#57606a"
 """Colours of what is as wanted, not yet, not so, and of what is said beside it."""
 
@@ -56,7 +59,7 @@ def push_text(state: State) -> str:
     """Outcome of the push, or what the second worker does."""
     if state.push:
         return panel_text(box(GOOD if state.push_recovered else BAD, *state.push.split(": ", 1)))
-    if state.busy and not state.busy.startswith(("counting", "drawing", "writing")):
+    if state.busy and not state.busy.startswith(("counting", "drawing", "proving", "writing")):
         return panel_text(box(BUSY, "pushing", state.busy))
     return panel_text(f'<span style="color:{PLAIN}">6 steps under the ankle stabiliser at 1 kHz, full model</span>')
 
@@ -77,7 +80,23 @@ def _certificate(state: State) -> str:
         if title.startswith("Z("):
             short = text.split("; zeros")[0]
             lines.append(f'<div style="color:{PLAIN}">reversal, {html.escape(title)}: {html.escape(short)}</div>')
-    return "".join(lines)
+    return "".join([*lines, _proof(state)])
+
+
+def _proof(state: State) -> str:
+    """Statements with both verdicts."""
+    if not state.proof:
+        waiting = state.busy.startswith("proving")
+        return f'<div style="color:{PLAIN}">{html.escape(state.busy)} …</div>' if waiting else ""
+    rows = []
+    for name, measured, proved in state.proof:
+        colour = BAD if "CONTRADICTION" in proved else GOOD if proved == "proved" else PLAIN
+        rows.append(
+            f'<tr><td>{html.escape(name)}</td><td style="padding:0 .5em">{html.escape(measured)}</td>'
+            f'<td style="color:{colour}"><b>{html.escape(proved)}</b></td></tr>'
+        )
+    head = "<tr>" + "".join(f'<th style="text-align:left">{word}</th>' for word in HEAD) + "</tr>"
+    return f'<table style="border-collapse:collapse;font-size:.92em;margin:.3em 0">{head}{"".join(rows)}</table>'
 
 
 def _tightness(check: ConstraintCheck) -> float:

@@ -59,6 +59,7 @@ class State:
         designs: gaits found so far.
         previous_cost: J of the gait before this one; None at the first.
         certificate: of the gait; None until it is there.
+        proof: statements on the gait, with their verdicts by measurement and by proof; () until they are there.
         busy: what the second worker does; "" when it rests.
         push: outcome of the last push on this gait; "" without one.
         push_recovered: did it recover?
@@ -80,6 +81,7 @@ class State:
     designs: int = 0
     previous_cost: float | None = None
     certificate: jobs.Certified | None = None
+    proof: tuple[jobs.Row, ...] = ()
     busy: str = ""
     push: str = ""
     push_recovered: bool = False
@@ -230,11 +232,13 @@ class Workbench:
                     designs=self.state.designs + 1,
                     previous_cost=None if before is None else before.orbit.cost,
                     certificate=None,
+                    proof=(),
                     push="",
                     push_clip=None,
                 )
                 if self._wanted.pop("push", None) and self._helping == "push":
                     self._helping = ""  # of the gait before
+                self._wanted.pop("prove", None)  # likewise
                 self._help("certify", jobs.certify, self.state.robot, content.gait)
 
     def _on_help(self, number: int, kind: str, content: Any) -> None:
@@ -254,6 +258,10 @@ class Workbench:
                 self._change(busy="", push=content.message, push_recovered=content.recovered, push_clip=content.clip)
             elif task == "certify":
                 self._change(busy="", certificate=content)
+                if jobs.PROVABLE and self.state.gait is not None:
+                    self._wanted["prove"] = (jobs.prove, (self.state.robot, self.state.gait))
+            elif task == "prove":
+                self._change(busy="", proof=content)
             else:
                 self._write_page(task.removeprefix("page "), content)
             self._next()
@@ -270,13 +278,13 @@ class Workbench:
         self._change(busy="", notice=f"saved {stem}.gait.json and {path.name} in {self.folder.resolve()}")
 
     def _help(self, name: str, job: Job, *arguments: Any) -> None:
-        """Want something of the second worker: a newer wish of one kind replaces the older one, a certificate waits."""
+        """Want something of the second worker: a newer wish of one kind replaces the older one; proofs wait longest."""
         self._wanted[name] = (job, arguments)
-        if self._helping in ("", name, "certify"):
+        if self._helping in ("", name, "certify", "prove"):
             self._next()
 
     def _next(self) -> None:
-        order = ("draw", "page", "push", "certify")
+        order = ("draw", "page", "push", "certify", "prove")
         if self._wanted:
             self._helping = min(self._wanted, key=lambda name: order.index(name.split()[0]))
             job, arguments = self._wanted[self._helping]

@@ -4,11 +4,13 @@ import json
 
 import pytest
 
+from frontal_biped.analysis.proof import verify
 from frontal_biped.cli import main
 from frontal_biped.gait.file import load_gait
 from frontal_biped.simulation import load_trajectory
+from frontal_biped.zero_dynamics.proof.theorems import Proof
 
-FILES = {"gait.json", "run.npz", "report.json", "report.html", "figures"}
+FILES = {"gait.json", "gait.proof.json", "run.npz", "report.json", "report.html", "figures"}
 FIGURES = {
     "barrier",
     "joint_angles",
@@ -28,7 +30,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("demo") / "new" / "demo"
-    assert main(["demo", "--out", str(path)]) == 0
+    assert main(["demo", "--prove", "--out", str(path)]) == 0
     return path
 
 
@@ -49,6 +51,16 @@ def test_certificate_and_cost(report):
     assert report["analysis"]["certified"]
     assert report["analysis"]["cost"] <= 210.5
     assert max(report["analysis"]["residuals"].values()) <= 1e-9
+
+
+def test_both_verdicts_are_told(report, folder):
+    """What measurement says of the gait, and what the proof says."""
+    found = {entry["statement"]: (entry["measured"], entry["proved"]) for entry in report["statements"]}
+    assert found["0 < multiplier < 1"] == ("certified", "proved")
+    assert found["b fixed: it has one at most"] == ("refuted", "refuted")
+    assert verify(folder / "gait.proof.json", gait=folder / "gait.json").proof.zero.proved is Proof.PROVED
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert '<section id="statements">' in page and "C01 to C09, 49 bounds" in page
 
 
 def test_constraints_are_all_listed_with_value_bound_and_margin(report):

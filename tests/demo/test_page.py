@@ -24,6 +24,7 @@ def test_report_escapes_text_and_asks_no_network(biped, orbit):
             ("C02", "short", 0.1, 0.2, -0.1, "rad"),
             ("C03", "unknown", "nan", "1", "nan", "-"),
         ],
+        statements=[("0 < m < 1", "certified", "proved")],
         notes=["<script>alert(1)</script>"],
         title="A <title>",
     )
@@ -32,6 +33,7 @@ def test_report_escapes_text_and_asks_no_network(biped, orbit):
     assert_offline(links.frames[0])
     for text in ("multiplier &lt;m&gt;", "a &amp; b", "&lt;script&gt;alert(1)", "<title>A &lt;title&gt;</title>"):
         assert text in report
+    assert "<td>certified</td><td>proved</td>" in report and "0 &lt; m &lt; 1" in report
     assert "Joint torques over two steps." in report
     assert "own &lt;caption&gt;" in report
     assert "1.5 × 10<sup>−13</sup>" in report

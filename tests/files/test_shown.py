@@ -16,9 +16,14 @@ from frontal_biped.scenarios.expectations import Finding
 from frontal_biped.scenarios.run import TrialResult
 from frontal_biped.simulation.orbit import orbit_trajectory
 from frontal_biped.simulation.space.run import SAMPLED, SpatialRun
+from frontal_biped.zero_dynamics.proof.attraction import Attraction, Tiles
 from frontal_biped.zero_dynamics.proof.balls import arb
+from frontal_biped.zero_dynamics.proof.basin import no_basin
+from frontal_biped.zero_dynamics.proof.gait_proof import GaitProof
+from frontal_biped.zero_dynamics.proof.imposed_zeros import ImposedZeros
+from frontal_biped.zero_dynamics.proof.limits import ProvedLimits
 from frontal_biped.zero_dynamics.proof.signs import ProvedCount
-from frontal_biped.zero_dynamics.proof.theorems import Convergence, FixedZeros, GaitProof, NearestZero, Proof
+from frontal_biped.zero_dynamics.proof.theorems import Convergence, FixedZeros, NearestZero, Proof
 
 FEW_LINES, FEW_LETTERS = 8, 900
 
@@ -26,6 +31,10 @@ PROOF = GaitProof(
     FixedZeros((-1.6, -1.5), ProvedCount((), ((-1.56, -1.55),), ())),
     NearestZero(-1.55, arb(-1.55), arb(-20), arb(0.5), Proof.PROVED),
     Convergence(1e-6, arb(0.3), Proof.PROVED),
+    ImposedZeros(((-1.6, -1.5),), (ProvedCount((), ((-1.56, -1.55),), ()),), ((-1.56, -1.55),), ((-1.6, -1.5),)),
+    Attraction(Tiles(0.0, (), ((-1.56, -1.55),), ()), Proof.PROVED),
+    ProvedLimits((), None),
+    no_basin("the orbit is not enclosed"),
 )
 
 

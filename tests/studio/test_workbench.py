@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from frontal_biped.gait import GaitSpecification, default_specification
 from frontal_biped.gait.file import load_gait
 from frontal_biped.model import load_robot
-from frontal_biped.studio import jobs
+from frontal_biped.studio import jobs, status
 from frontal_biped.studio.knobs import knobs_for
 from frontal_biped.studio.workbench import Workbench
 
@@ -58,6 +58,7 @@ def designed(reference_gait, reference_design):
 
 REFUSED = jobs.Designed(None, None, "no gait was found; relax friction", 0.2, None)
 CERTIFIED = jobs.Certified(True, "yes", 1e-12, ())
+PROVED = (("0 < multiplier < 1", "certified", "proved"),)
 
 
 def opened(studio, designed):
@@ -78,6 +79,11 @@ def test_opening_draws_designs_and_certifies(studio, designed):
     assert helper.last == (jobs.certify, ("frontal_biped", designed.gait))
     helper.answer(CERTIFIED)
     assert workbench.state.certificate is CERTIFIED
+    assert helper.last == (jobs.prove, ("frontal_biped", designed.gait))
+    helper.answer(PROVED)
+    assert workbench.state.proof is PROVED
+    shown = status.headline(workbench.state)
+    assert "0 &lt; multiplier &lt; 1" in shown and "<b>proved</b>" in shown
 
 
 def test_newest_slider_wins_and_starts_from_the_present_gait(studio, designed):
@@ -129,6 +135,37 @@ def test_push_goes_before_the_certificate_which_is_made_up_for(studio, designed)
     helper.answer(jobs.Pushed(True, "push: recovered", None))
     assert workbench.state.push_recovered
     assert helper.last[0] is jobs.certify
+
+
+def test_a_proof_waits_for_everything_else_and_is_of_the_gait_on_screen(studio, designed):
+    workbench, designer, helper = opened(studio, designed)
+    helper.answer(CERTIFIED)
+    assert helper.last[0] is jobs.prove
+    workbench.push(10.0, "at the reversal")
+    assert helper.last[0] is jobs.push
+    helper.answer(jobs.Pushed(True, "push: recovered", None))
+    assert helper.last[0] is jobs.prove
+    number = len(helper.requests)
+    workbench.turn("friction", 0.5)
+    designer.answer(designed)
+    helper.answer(PROVED, number=number)
+    assert workbench.state.proof == ()
+    assert helper.last[0] is jobs.certify
+
+
+def test_without_the_extra_nothing_is_proved(studio, designed, monkeypatch):
+    monkeypatch.setattr(jobs, "PROVABLE", False)
+    workbench, _, helper = opened(studio, designed)
+    helper.answer(CERTIFIED)
+    assert helper.last[0] is jobs.certify
+    assert workbench.state.busy == ""
+
+
+@pytest.mark.slow
+def test_rows_of_a_proof(designed):
+    rows = jobs.prove(lambda news: None, "frontal_biped", designed.gait)
+    assert ("0 < multiplier < 1", "certified", "proved") in rows
+    assert not any("CONTRADICTION" in proved for _, _, proved in rows)
 
 
 def test_outcome_of_a_push_on_an_older_gait_is_dropped(studio, designed):

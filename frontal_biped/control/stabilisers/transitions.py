@@ -48,6 +48,9 @@ REJOINS = (2.0, 4.0, 8.0, 20.0, np.inf)
 ENOUGH_INERTIA = 0.9
 """Share of the planned falling phase's smallest I_P that counts as kept."""
 
+LOOKS = 25
+"""Points of a falling phase, evenly spaced in beta, at which I_P is looked at."""
+
 FULL_LOAD = 0.9
 """Share of the torque and friction limits up to which a late reversal is left to the continuation."""
 
@@ -222,7 +225,7 @@ class ReanchoringTransitions:
 
     def _least_inertia(self, phase: VirtualConstraints, start: float) -> float:
         """Smallest I_P of a falling phase [kg m^2]."""
-        beta = start + (phase.beta_end - start) * np.linspace(0.0, 1.0, 25)
+        beta = start + (phase.beta_end - start) * np.linspace(0.0, 1.0, LOOKS)
         return float(np.min(restrict(self.biped, phase, beta).I_P))
 
 

@@ -58,7 +58,7 @@ class FrontalBodies:
     @property
     def middle(self) -> float:
         """Y of the mirror plane: half-way between the hips [m]."""
-        return float(0.5 * (self.position["left_hip"][0] + self.position["right_hip"][0]))
+        return 0.5 * (self.position["left_hip"][0] + self.position["right_hip"][0])
 
     @property
     def leg_length(self) -> float:

@@ -152,9 +152,20 @@ def working(order: int = ORDER) -> Iterator[None]:
         ctx.prec, ctx.cap = before
 
 
-def within(number: float, relative: float) -> Ball:
-    """The ball of a number that is known to a relative error."""
-    return arb(number, abs(number) * relative)
+@contextmanager
+def working_precision(bits: int) -> Iterator[None]:
+    """Midpoints rounded to another number of bits."""
+    before = ctx.prec
+    ctx.prec = bits
+    try:
+        yield
+    finally:
+        ctx.prec = before
+
+
+def within(number: float | Ball, relative: float) -> Ball:
+    """The ball of a number that is known to a relative error; one that is a ball already stays as it is."""
+    return number if isinstance(number, arb) else arb(number, abs(number) * relative)
 
 
 def narrowed(middle: Sequence[Ball], wide: Sequence[Ball], h: Ball) -> list[Ball]:

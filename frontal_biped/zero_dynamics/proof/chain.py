@@ -1,8 +1,8 @@
 r"""The planar chain in ball arithmetic: the one place where the robot's dynamics stand outside Pinocchio.
 
-The chain is that of `model.chain`: stance foot, leg, pelvis, leg, foot, the stance foot at rest. Its numbers are the
-doubles that were loaded, taken as exact. With the absolute angles alpha_i = sum_{j <= i} (q_j + pi/2), R the
-rotation and J the quarter turn,
+The chain is that of `model.chain`: stance foot, leg, pelvis, leg, foot, the stance foot at rest. Its numbers are those
+of URDF and description (`decimals`), or given doubles taken as exact. With the absolute angles
+alpha_i = sum_{j <= i} (q_j + pi/2), R the rotation and J the quarter turn,
 
 .. math:: o_{i+1} = o_i + R(\alpha_i)\, l_i, \qquad c_i = o_i + R(\alpha_i)\, r_i, \qquad
           (R(\alpha) x)' = \alpha' J R(\alpha) x, \qquad
@@ -93,6 +93,18 @@ class Momenta(NamedTuple):
     moment: Number
 
 
+class Impact(NamedTuple):
+    """What an impact does, per unit of the slope's rate (`model.impact.Landing`).
+
+    Attributes:
+        foot: velocity of the old stance foot after it, h, v and rotation about its ground point.
+        impulse: L_h, L_v, and the moment about the ground point below the landing ankle.
+    """
+
+    foot: tuple[Ball, Ball, Ball]
+    impulse: tuple[Ball, Ball, Ball]
+
+
 @dataclass(frozen=True)
 class BallChain:
     """The chain's numbers as balls.
@@ -124,14 +136,14 @@ class BallChain:
             error: to which its numbers are known, relative [-].
         """
 
-        def rounded(number: float) -> Ball:
-            return within(number, error)
+        def rounded(number: float | Ball) -> Ball:
+            return within(number if isinstance(number, arb) else float(number), error)
 
-        joints = [[rounded(float(x)) for x in joint] for joint in chain.joints]
+        joints = [[rounded(x) for x in joint] for joint in chain.joints]
         tips = [*joints[1:], [joints[3][0], arb(0)]]
         bodies = []
         for joint, tip, body in zip(joints, tips, chain.bodies[1:], strict=True):
-            com = [rounded(float(x)) for x in body.com]
+            com = [rounded(x) for x in body.com]
             bodies.append(
                 MovingBody(
                     rounded(body.mass),
@@ -141,7 +153,7 @@ class BallChain:
                 )
             )
         foot = chain.bodies[0]
-        mass, h, v = rounded(foot.mass), rounded(float(foot.com[0])), rounded(float(foot.com[1]))
+        mass, h, v = rounded(foot.mass), rounded(foot.com[0]), rounded(foot.com[1])
         return cls(
             (joints[0][0], joints[0][1]),
             tuple(bodies),
@@ -149,7 +161,7 @@ class BallChain:
             mass * h,
             rounded(foot.inertia) + mass * (h * h + v * v),
             mass * v,
-            tuple(rounded(float(rotor)) for rotor in chain.armature),
+            tuple(rounded(rotor) for rotor in chain.armature),
         )
 
     @cached_property
@@ -200,24 +212,44 @@ class BallChain:
         """
         g = self.gravity if weight else arb(0)
         pose = self.pose(absolute(motion.q))
-        rates, accelerations = sums(motion.dq), sums(motion.ddq)
-        F_h: Number = arb(0)
-        F_v: Number = self.foot_mass * g
-        N_0: Number = self.foot_moment * g
-        wanted: list[tuple[Number, Number, Number]] = []
+        accelerations = self.accelerations(pose, sums(motion.dq), sums(motion.ddq))
+        asked = self.asked_by(pose, [(h, v + g) for h, v in accelerations], sums(motion.ddq), motion.ddq)
+        asked[1] = asked[1] + self.foot_mass * g
+        asked[2] = asked[2] + self.foot_moment * g
+        return asked
+
+    def accelerations(self, pose: Pose, rates: list[Number], turns: list[Number]) -> list[Vector]:
+        """Of the centres of mass, whose links turn at absolute rates (4,) [rad/s] and accelerations (4,) [rad/s^2]."""
+        found: list[Vector] = []
         root: Vector = (arb(0), arb(0))
-        for i, (body, rate, turn) in enumerate(zip(self.bodies, rates, accelerations, strict=True)):
-            com, tip = pose.levers[i]
-            a = _plus(root, _accelerated(com, rate, turn))
-            force = body.mass * a[0], body.mass * (a[1] + g)
+        for (com, tip), rate, turn in zip(pose.levers, rates, turns, strict=True):
+            found.append(_plus(root, _accelerated(com, rate, turn)))
+            root = _plus(root, _accelerated(tip, rate, turn))
+        return found
+
+    def asked_by(
+        self, pose: Pose, accelerations: list[Vector], turns: list[Number], joint_turns: list[Number]
+    ) -> list[Number]:
+        """(7,) rows F_h, F_v, N_0, u_1 to u_4 that the moving links ask for, by virtual work.
+
+        Args:
+            pose: where they are.
+            accelerations: of their centres of mass, that of the weight included.
+            turns: (4,) absolute angular accelerations.
+            joint_turns: (4,) those of the joints, which the rotors take part in.
+        """
+        F_h: Number = arb(0)
+        F_v: Number = arb(0)
+        N_0: Number = arb(0)
+        wanted: list[tuple[Number, Number, Number]] = []
+        for body, a, turn, (c_h, c_v) in zip(self.bodies, accelerations, turns, pose.coms, strict=True):
+            force = body.mass * a[0], body.mass * a[1]
             wanted.append((*force, body.inertia * turn))
-            c_h, c_v = pose.coms[i]
             F_h, F_v = F_h + force[0], F_v + force[1]
             N_0 = N_0 + c_h * force[1] - c_v * force[0] + body.inertia * turn
-            root = _plus(root, _accelerated(tip, rate, turn))
         torques: list[Number] = []
         for j, (o_h, o_v) in enumerate(pose.joints):
-            u: Number = self.armature[j] * motion.ddq[j]
+            u: Number = self.armature[j] * joint_turns[j]
             for (c_h, c_v), (f_h, f_v, moment) in list(zip(pose.coms, wanted, strict=True))[j:]:
                 u = u + (c_h - o_h) * f_v - (c_v - o_v) * f_h + moment
             torques.append(u)
@@ -237,6 +269,19 @@ class BallChain:
         Raises:
             ZeroDivisionError: the balls are too wide for the impact to be solved.
         """
+        after = self._impacts(q, slopes)
+        last = 3 + JOINTS - 1
+        return [[after[last - j, column] for j in range(JOINTS)] for column in range(len(slopes))]
+
+    def impact(self, q: list[Ball], slope: list[Ball]) -> Impact:
+        """A rigid impact in full, linear in the slope; arguments and errors as of `landed_slopes`."""
+        after = self._impacts(q, [slope])
+        L_h, L_v, moment = (after[3 + JOINTS + k, 0] for k in range(3))
+        # the multiplier's moment is about the ankle, h_a above the sole
+        return Impact((after[0, 0], after[1, 0], after[2, 0]), (L_h, L_v, moment - self.ankle[1] * L_h))
+
+    def _impacts(self, q: list[Ball], slopes: list[list[Ball]]) -> Ball:
+        """(10, n) velocities of the floating robot after n impacts, and their impulses about the swing ankle."""
         M = self._floating_mass_matrix(q)
         J = self._landing_jacobian(q)
         size, rows = 3 + JOINTS, 3
@@ -250,8 +295,7 @@ class BallChain:
                 system[size + k, i] = J[k][i]
             for column, slope in enumerate(slopes):
                 right[i, column] = sum((M[i][3 + j] * slope[j] for j in range(JOINTS)), arb(0))
-        after = system.solve(right)
-        return [[after[size - 1 - j, column] for j in range(JOINTS)] for column in range(len(slopes))]
+        return system.solve(right)
 
     def _floating_mass_matrix(self, q: list[Ball]) -> list[list[Ball]]:
         """(7, 7), the stance foot free: h, v and rotation about the ground point, then q."""

@@ -125,9 +125,18 @@ class Fixed:
         return passed(half, [ratio * cut for cut in cuts_of(half, SHARP)])
 
     def at(self, beta: float) -> Ball:
-        """E at a point that was passed [rad]."""
-        rising, falling = self._at[beta]
+        """E at a point that was passed [rad].
+
+        Raises:
+            NotEnclosedError: it was not: I_P may vanish before.
+        """
+        rising, falling = self._passed(beta)
         return self._jump * falling.W - rising.W
+
+    def _passed(self, beta: float) -> tuple[Passed, ...]:
+        if beta not in self._at:
+            raise NotEnclosedError("I_P")
+        return self._at[beta]
 
     def on(self, low: float, high: float) -> Known:
         """E and E' on an interval that begins where another one ended [rad].
@@ -136,7 +145,7 @@ class Fixed:
             NotEnclosedError: I_P may vanish on it, or the robot may not turn back there.
         """
         ends, slopes = [], []
-        for (half, begin), at in zip(self._halves, self._at[low], strict=True):
+        for (half, begin), at in zip(self._halves, self._passed(low), strict=True):
             a, b = ((arb(x) - begin) / half.span for x in (low, high))
             panel, h = on_panel(half, a, b), (b - a) / 2
             end = across(panel, at, h, half.span)
@@ -147,10 +156,10 @@ class Fixed:
             drive = coefficient(wide.drive, 0)
             ends.append(end)
             slopes.append((K, drive))
+        self._at[high] = tuple(ends)
         if not is_negative(slopes[0][1]):
             raise NotEnclosedError("drive")
         (K_r, drive_r), (K_f, drive_f) = slopes
         slope = exp(-K_r) * drive_r - self._jump * exp(-K_f) * drive_f
         value = self.at(low) + slope * arb(0).union(arb(high) - arb(low))
-        self._at[high] = tuple(ends)
         return Known(value, slope)

@@ -25,6 +25,11 @@ class Kind(Enum):
     UNDECIDED = "undecided"
 
     @property
+    def decided(self) -> bool:
+        """Is anything known?"""
+        return self is not Kind.UNDECIDED
+
+    @property
     def monotone(self) -> bool:
         """Is it known that the function is?"""
         return self in (Kind.INCREASING, Kind.DECREASING)
@@ -129,7 +134,7 @@ def count(pieces: tuple[Piece, ...], at: Callable[[float], Ball]) -> ProvedCount
         if kind is Kind.UNDECIDED:
             undecided.append((low, high))
         elif kind.monotone:
-            signs = [_sign(at, end) for end in (low, high)]
+            signs = [sign_at(at, end) for end in (low, high)]
             if 0 in signs:
                 undecided.append((low, high))
             elif signs[0] != signs[1]:
@@ -148,7 +153,38 @@ def _runs(pieces: tuple[Piece, ...]) -> list[Piece]:
     return runs
 
 
-def _sign(at: Callable[[float], Ball], point: float) -> int:
+def sign_throughout(pieces: tuple[Piece, ...], at: Callable[[float], Ball]) -> int:
+    """The one sign that a function has on all of the pieces: 1 or -1; 0 where that is not known.
+
+    Args:
+        pieces: from left to right, each beginning where the one before ends.
+        at: encloses the function at a point.
+    """
+    found = count(pieces, at)
+    return sign_at(at, pieces[0].low) if found.exact and not found.zeros else 0
+
+
+def place_of_zero(at: Callable[[float], Ball], low: float, high: float, width: float) -> tuple[float, float]:
+    """An interval of a width, if possible, with a zero that is known to lie between two points, by bisection.
+
+    Args:
+        at: encloses the function at a point.
+        low: left end.
+        high: right end, where the function has the other sign.
+        width: that will do.
+    """
+    sign = sign_at(at, low)
+    while high - low > width:
+        middle = 0.5 * (low + high)
+        found = sign_at(at, middle)
+        if found == 0:
+            break
+        low, high = (middle, high) if found == sign else (low, middle)
+    return low, high
+
+
+def sign_at(at: Callable[[float], Ball], point: float) -> int:
+    """1 or -1; 0 where balls do not tell, or there is none."""
     try:
         value = at(point)
     except NotEnclosedError:

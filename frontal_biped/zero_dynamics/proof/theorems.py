@@ -1,8 +1,8 @@
 r"""What is proved of a gait, and under which hypotheses.
 
-All of it is about the zero dynamics in exact arithmetic, of the planar robot whose numbers are exactly the doubles that
-were loaded, for free parameters (`FreeParameters`) that are exactly the doubles of the gait file; columns that hybrid
-invariance determines follow from those exactly, not as the file rounded them. The regions are those
+All of it is about the zero dynamics in exact arithmetic, of the planar robot that follows from the decimal numbers of
+URDF and description (`decimals`), for free parameters (`FreeParameters`) that are exactly the doubles of the gait file;
+columns that hybrid invariance determines follow from those exactly, not as the file rounded them. The regions are those
 of the measured certificate (`reversal.certificate`), their ends taken as exact numbers.
 
 **Fixed parameters.** *With the columns imposed at the planned reversal, E(beta; b), and so Z(beta; b), is defined on
@@ -12,7 +12,13 @@ pieces are one run, and signs at its ends tell 0 or 1.
 
 **Imposed invariance.** *S(beta) = E(beta; b(beta)) has exactly one zero within `NEARBY` of the planned reversal, it
 lies in the ball given, and S' < 0 throughout.* Proof: Newton's step with the ball of S' over that interval, applied to
-S at its middle, maps the interval into itself. How many zeros S has elsewhere is left to the measured certificate.
+S at its middle, maps the interval into itself.
+
+**All of them** (`imposed_zeros`). *S is defined on the regions given, the drive is negative at each reversal, and S has
+exactly so many zeros there, one in each of the intervals given; where the number is undecided, this holds but for the
+intervals named.* Proof: as for fixed parameters, with S and S' from models on discs that cover the regions (`surplus`,
+`taylor_model`). Models are polynomials of doubles: their bounds rest on sums, products and quotients that are rounded
+to nearest, as IEEE 754 has it, and on matrix products that are sums of products, in whatever order.
 
 **Stability.** *0 < m < 1 for the multiplier m of the step that reverses at that zero*, so it is a periodic orbit of the
 hybrid zero dynamics and its return map contracts. Proof: the ball of m at the ball of the zero.
@@ -21,15 +27,23 @@ hybrid zero dynamics and its return map contracts. Proof: the ball of m at the b
 converges to it, each distance at most kappa times the one before.* Proof: Phi'(x) = -E_x / E_beta at (Phi(x), x); with
 kappa the largest ratio for beta and x in the interval, |E(beta*; b(x))| <= max|E_x| |x - beta*|, and E_beta has one
 sign: so E(.; b(x)) has its only zero of the interval within kappa |x - beta*| of beta*.
+
+**From far** (`attraction`, with the proof). *From every start in the interval given successive approximation converges
+to that zero, where it takes the zero of E(.; b(x)) that is met first from x on, downwards where S(x) < 0, upwards where
+S(x) > 0.*
+
+**Limits** (`limits`, with the proof). *On the whole periodic orbit through that zero C01 to C09 are kept, between the
+points of every grid too.*
+
+**Basin** (`basin`, with the proof). *From every speed after the impact in the interval given, re-anchored transitions
+return to that orbit; every step on the way exists and keeps the limits of contact and motors.*
 """
 
 from dataclasses import dataclass
 from enum import Enum
 
-from frontal_biped.virtual_constraints.invariance import FreeParameters
 from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.balls import Ball, arb, is_negative, is_positive
-from frontal_biped.zero_dynamics.proof.chain import BallChain
 from frontal_biped.zero_dynamics.proof.functions import Fixed, Imposed
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.signs import Piece, ProvedCount, count, cut
@@ -73,6 +87,11 @@ class FixedZeros:
     def counted(self) -> Proof:
         """Is their number known?"""
         return told(self.found.exact, False)
+
+    @property
+    def exists(self) -> Proof:
+        """Is there one?"""
+        return told(bool(self.found.zeros), self.found.exact and not self.found.zeros)
 
     @property
     def unique(self) -> Proof:
@@ -174,63 +193,3 @@ def convergence(gait: BallGait, zero: NearestZero, radii: tuple[float, ...] = RA
             if is_positive(1 - abs(factor)) and is_positive(0.01 * radius - abs(zero.reversal - zero.planned)):
                 return Convergence(radius, factor, Proof.PROVED)
     return Convergence(0.0, arb.nan(), Proof.UNDECIDED)
-
-
-@dataclass(frozen=True)
-class GaitProof:
-    """All that is proved of a gait.
-
-    Attributes:
-        fixed: zeros of Z at fixed parameters.
-        zero: the zero of S near the planned reversal.
-        convergence: of successive approximation.
-    """
-
-    fixed: FixedZeros
-    zero: NearestZero
-    convergence: Convergence
-
-    @property
-    def rows(self) -> list[tuple[str, str]]:
-        """(name, text) for a report."""
-        fixed, zero, near = self.fixed, self.zero, self.convergence
-        places = ", ".join(f"[{a:.7f}, {b:.7f}]" for a, b in fixed.found.zeros) or "none"
-        low, high = fixed.region
-        left = "" if fixed.found.exact else f"; undecided on {len(fixed.found.undecided)} intervals"
-        return [
-            (
-                "zeros of Z, b fixed",
-                f"number {fixed.counted.value}: {len(fixed.found.zeros)} on [{low:.5f}, {high:.5f}], in {places} rad"
-                f"{left}",
-            ),
-            ("reversal", f"{zero.proved.value}: exactly one within {NEARBY:g} rad of the plan, at {zero.reversal} rad"),
-            ("0 < multiplier < 1", f"{zero.stable.value}: {zero.multiplier}"),
-            (
-                "successive approximation",
-                f"{near.proved.value}: from every start within {near.radius:g} rad, factor {near.factor}",
-            ),
-        ]
-
-
-def prove_parameters(
-    chain: BallChain,
-    free: FreeParameters,
-    region: tuple[float, float],
-    pieces: tuple[Piece, ...] | None = None,
-    radii: tuple[float, ...] = RADII,
-) -> GaitProof:
-    """Prove what there is to prove of a gait's parameters.
-
-    Args:
-        chain: the robot.
-        free: what invariance leaves free.
-        region: on which the zeros of Z at fixed parameters are counted [rad].
-        pieces: a partition of it that is known to do; None: one is sought.
-        radii: tried for successive approximation [rad].
-
-    Raises:
-        NotEnclosedError: the final pose is not known to exist, or its impact.
-    """
-    gait = BallGait.of(chain, free)
-    zero = nearest_zero(gait)
-    return GaitProof(fixed_zeros(gait, region, pieces), zero, convergence(gait, zero, radii))

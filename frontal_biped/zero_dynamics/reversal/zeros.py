@@ -176,6 +176,16 @@ def regular_region(problem: ReversalProblem) -> tuple[float, float]:
     return next((a, b) for a, b in region if a <= problem.planned <= b)
 
 
+def imposed_regions(problem: ReversalProblem) -> tuple[tuple[float, float], ...]:
+    """Intervals on which Z with invariance imposed is regular [rad], those of the measured certificate.
+
+    Raises:
+        ReversalError: the bracket does not exist.
+    """
+    floor = REGULAR * problem.balance(problem.planned).least_inertia
+    return tuple(_regular_region(_margin(problem.balance, problem, floor), *problem.bracket, problem))
+
+
 def _margin(
     balance: Callable[[float], EnergyBalance], problem: BalancedProblem, floor: float
 ) -> Callable[[float], float]:

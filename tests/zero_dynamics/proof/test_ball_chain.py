@@ -40,6 +40,8 @@ def test_balls_contain_what_pinocchio_finds(name, count):
             bias = chain.inverse_dynamics(Motion(there, balls(dq), at_rest))
             momenta = chain.momenta(absolute(there), sums(balls(dq)))
             landed = chain.landed_slopes(there, [balls(dq)])[0]
+            landing, impacted = impact(biped, q, dq), chain.impact(there, balls(dq))
+            (_, foot_v, foot_turn), (outer, inner) = impacted.foot, biped.sole
             pairs = [
                 *zip(found, told, strict=True),
                 (found[2] / found[1], biped.fri(q, dq, ddq)),
@@ -47,7 +49,9 @@ def test_balls_contain_what_pinocchio_finds(name, count):
                 *zip(np.ravel(chain.mass_matrix(there)), np.ravel(biped.D(q)), strict=True),
                 *zip(momenta.momentum, biped.momentum_map(q)[:3] @ dq, strict=True),
                 (momenta.moment / chain.mass, biped.com(q)[0]),
-                *zip(landed, impact(biped, q, dq).dq_plus, strict=True),
+                *zip(landed, landing.dq_plus, strict=True),
+                *zip(impacted.impulse, landing.impulse, strict=True),
+                *zip((foot_v + foot_turn * arb(end) for end in (inner, outer)), landing.lift_off, strict=True),
             ]
             for ball, number in pairs:
                 assert ball.contains(arb(float(number)))

@@ -1,0 +1,210 @@
+"""Proved basins against the measured map of re-anchored transitions: contained in it, and at least half as wide."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from frontal_biped.analysis.proof_inputs import perturbed_steps
+from frontal_biped.analysis.return_map import RestrictedMap
+from frontal_biped.control.stabilisers.by_name import make_stabiliser
+from frontal_biped.control.stabilisers.transitions import REJOINS
+from frontal_biped.virtual_constraints.anchoring import anchored_falling
+from frontal_biped.virtual_constraints.invariance import free_parameters
+from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
+from frontal_biped.zero_dynamics.proof.balls import arb, working
+from frontal_biped.zero_dynamics.proof.basin import BasinTiles, prove_basin
+from frontal_biped.zero_dynamics.proof.chain import BallChain
+from frontal_biped.zero_dynamics.proof.limits import BallOrbit, Bound
+from frontal_biped.zero_dynamics.proof.reversals import EarlyPath, LatePath, Mismatch
+from frontal_biped.zero_dynamics.proof.theorems import Proof, nearest_zero
+
+ROUNDING = 1e-7
+"""Of curves from columns as the file rounded them, relative to one more than their size."""
+
+MAP = 1e-6
+"""Of a speed that the measured map finds, relative."""
+
+LATE, TILE = 0.4, 1 / 1024
+"""Of the reference gait: a late reversal, and the width of tiles of early ones, as shares of the rising range."""
+
+
+class Steps:
+    """A gait's steps, measured and in balls."""
+
+    def __init__(self, biped, gait):
+        self.biped, self.gait = biped, gait
+        self.stabiliser = make_stabiliser("re-anchored", biped, gait)
+        self.measured = RestrictedMap(biped, gait, self.stabiliser)
+        with working():
+            balls = BallGait.of(BallChain.of(biped.chain), free_parameters(gait.rising, gait.falling, gait.step_width))
+            orbit = BallOrbit.of(balls, nearest_zero(balls).reversal, biped.sole)
+            self.steps = perturbed_steps(biped, gait, orbit)
+
+    def proved(self, *given, **changes):
+        with working():
+            return prove_basin(replace(self.steps, **changes), *given)
+
+
+@pytest.fixture(scope="module")
+def steps(biped, reference_gait):
+    return Steps(biped, reference_gait)
+
+
+@pytest.fixture(scope="module")
+def proved(steps):
+    """With a late reversal and tiles that are given: nothing is sought."""
+    range_ = steps.gait.rising.range
+    return steps.proved(BasinTiles(LATE * range_, tuple(k * TILE * range_ for k in range(4))))
+
+
+def holds_and_agrees(steps, proved):
+    """Every speed tried returns, the energy error shrinks as proved; at least half of what is measured is proved."""
+    assert proved.proved is Proof.PROVED
+    assert proved.low < 1.0 < proved.high
+    basin, factor = steps.measured.basin(), float(proved.factor)
+    assert factor < 1.0
+    assert proved.width >= 0.5 * (basin.high - basin.low)
+    for ratio in np.linspace(proved.low, proved.high, 9):
+        step = steps.measured.step(steps.measured.start(ratio))
+        assert step.tightest.value >= 0.0
+        before, after = ratio**2 - 1.0, steps.measured.speed_ratio(step.landed) ** 2 - 1.0
+        assert abs(after) <= factor * abs(before) + MAP
+        assert after * before >= -MAP
+    assert steps.measured.follow(proved.high).returned
+    assert "proved" in proved.rows[0][1]
+
+
+def test_the_reference_gait(steps, proved):
+    holds_and_agrees(steps, proved)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("which", ["reference", "level", "robust"])
+def test_the_widest_that_is_found(which, biped, request):
+    """It is proved again from what was found, without a search."""
+    steps = Steps(biped, request.getfixturevalue(f"{which}_gait"))
+    proved = steps.proved()
+    holds_and_agrees(steps, proved)
+    shrinks_as_measured(steps, (1.0 - share * (1.0 - proved.low) for share in (0.1, 0.6, 1.0)))
+    again = steps.proved(BasinTiles(proved.beyond, proved.tiles))
+    assert (again.low, again.high, again.tiles) == (proved.low, proved.high, proved.tiles)
+    assert again.factor.overlaps(proved.factor)
+    assert again.proved is Proof.PROVED
+
+
+def shrinks_as_measured(steps, ratios):
+    """m q at single reversals is what becomes of the energy error in a measured step."""
+    for ratio in ratios:
+        step = steps.measured.step(steps.measured.start(ratio))
+        d = steps.gait.beta_reversal - step.reversal
+        with working():
+            shrinks, _ = steps.steps.early(d, d)
+        before = ratio**2 - 1.0
+        measured = (steps.measured.speed_ratio(step.landed) ** 2 - 1.0) / before
+        assert shrinks.overlaps(arb(measured, MAP / abs(before)))
+        assert shrinks.rad() < 1e-3
+
+
+def test_the_energy_error_of_early_reversals(steps):
+    shrinks_as_measured(steps, (0.9999, 0.9996, 0.9982))
+
+
+@pytest.mark.parametrize("d", [1e-5, 1e-4, 5e-4])
+def test_paths_are_rejoined_as_the_transitions_choose(steps, d):
+    rising = steps.stabiliser.planned_rising
+    with working():
+        path = steps.steps.chosen(arb(d))
+    assert path.c == steps.stabiliser.rejoin_of(rising, steps.gait.beta_reversal - d)
+
+
+@pytest.mark.slow
+def test_where_the_speed_goes_away(biped, level_gait):
+    """Below the measured basin of the level gait."""
+    steps = Steps(biped, level_gait)
+    step = steps.measured.step(steps.measured.start(0.98 * steps.measured.basin().low))
+    d = steps.gait.beta_reversal - step.reversal
+    with working():
+        shrinks, _ = steps.steps.early(d, d)
+        assert shrinks > 1
+
+
+def agree(ball_shape, motion):
+    """A shape in balls and a measured motion at one point."""
+    pairs = [
+        *zip(ball_shape.q, motion.q[0], strict=True),
+        *zip(ball_shape.slopes, motion.dq[0], strict=True),
+        *zip(ball_shape.bends, motion.ddq[0], strict=True),
+        (ball_shape.p_fri, motion.p_fri[0]),
+        (ball_shape.dp_fri, motion.dp_fri[0]),
+    ]
+    for ball, number in pairs:
+        assert ball.overlaps(arb(number, ROUNDING * (1.0 + abs(number))))
+
+
+def absolute_angles_agree(shape):
+    """Those of the links are sums of the joints'."""
+    for links, joints, quarter in (
+        (shape.alphas, shape.q, arb.pi() / 2),
+        (shape.rates, shape.slopes, arb(0)),
+        (shape.turns, shape.bends, arb(0)),
+    ):
+        total = arb(0)
+        for link, joint in zip(links, joints, strict=True):
+            total = total + joint + quarter
+            assert link.overlaps(total)
+
+
+@pytest.mark.parametrize("y", [0.0, 0.37, 1.0])
+def test_a_late_path_is_the_continuation(steps, y):
+    beyond, planned = 3e-3, steps.stabiliser.planned_rising
+    with working():
+        path = LatePath.of(steps.steps.orbit.rising.path, steps.steps.tapers, beyond)
+        shape = path.shape(arb(y))
+        # the end itself belongs to the phase that goes on
+        at = planned.beta_end + max(beyond * (1.0 - y), 1e-15)
+        agree(shape, planned.motion(np.array([at])))
+        absolute_angles_agree(shape)
+
+
+@pytest.mark.parametrize("y", [0.0, 0.37, 1.0])
+def test_an_early_path_rejoins_the_planned_one(steps, y):
+    d, gait, orbit = 1.1e-3, steps.gait, steps.steps.orbit
+    reversal = gait.beta_reversal - d
+    falling = anchored_falling(gait.falling, gait.rising, reversal, REJOINS[0])
+    motion = falling.motion(np.array([reversal - REJOINS[0] * d * y]))
+    with working():
+        mismatch = Mismatch.of(orbit.step, steps.biped.sole)
+        for ball in (arb(d), arb(d, 1e-5), arb(d, d)):
+            shape = EarlyPath.of(mismatch, ball, REJOINS[0]).shape(arb(y))
+            agree(shape, motion)
+            absolute_angles_agree(shape)
+
+
+def test_wider_than_measured_is_not_proved(steps, proved):
+    """Beyond the last speed that keeps the torques, and before the first from which the speed returns."""
+    basin = steps.measured.basin()
+    for ratio in (1.05 * basin.high, 1.01 * basin.high):
+        beyond = steps.measured.step(steps.measured.start(ratio)).reversal - steps.gait.beta_reversal
+        assert beyond > proved.beyond
+        assert steps.proved(BasinTiles(beyond, (0.0,))).proved is Proof.UNDECIDED
+    early = steps.gait.beta_reversal - steps.measured.step(steps.measured.start(0.98 * basin.low)).reversal
+    assert steps.proved(BasinTiles(proved.beyond, (*proved.tiles, early))).proved is Proof.UNDECIDED
+    assert steps.proved(BasinTiles(proved.beyond, (0.0, early))).proved is Proof.UNDECIDED
+
+
+def test_a_limit_that_the_orbit_does_not_keep_leaves_nothing(steps):
+    def tightened(bound):
+        return bound._replace(lower=-10.0, upper=10.0) if bound.name == "stance hip torque, rising" else bound
+
+    found = steps.proved(bounds=[tightened(bound) for bound in steps.steps.bounds])
+    assert found.proved is Proof.UNDECIDED
+    assert found.width == 0.0
+    assert "stance hip torque" in found.rows[0][1]
+
+
+@pytest.mark.parametrize("name", ["colour of the pelvis, rising", "colour of the pelvis", "step duration"])
+def test_a_limit_without_an_enclosure_leaves_nothing(steps, name):
+    """Nor does one that depends on the speed otherwise than in proportion."""
+    unknown = Bound("C06", name, "-", -1.0, 10.0, False, 0.0)
+    assert steps.proved(bounds=[*steps.steps.bounds, unknown]).proved is Proof.UNDECIDED
