@@ -56,7 +56,10 @@ def enclosed(function, a, b):
 
 @pytest.mark.parametrize("count", [3, pytest.param(60, marks=pytest.mark.slow)])
 def test_discs_contain_their_points(problem, balls, count):
-    """All over the region S and its difference quotients, which are slopes somewhere between."""
+    """All over the region S and its difference quotients, which are slopes somewhere between.
+
+    Either enclosure may be the wider one, near the ends that at points is: they have a number in common.
+    """
     rng = np.random.default_rng(0)
     sharp, function, (region,) = Imposed(balls), Surplus(balls), imposed_regions(problem)
     discs = [enclosed(function, *random_interval(rng, *region, float(balls.begin.mid()))) for _ in range(count)]
@@ -68,10 +71,10 @@ def test_discs_contain_their_points(problem, balls, count):
         known = disc.known(*map(float, ends))
         for beta, value in zip(ends, values, strict=True):
             point = disc.surplus.value(disc.y(float(beta), float(beta)))
-            assert point.contains(value)
-            assert known.value.contains(value)
-            assert point.rad() <= 2e-3 * float(disc.surplus.norm[0])
-        assert known.slope.contains((values[1] - values[0]) / (arb(ends[1]) - arb(ends[0])))
+            assert point.overlaps(value)
+            assert known.value.overlaps(value)
+            assert point.rad() + value.rad() <= 2e-3 * float(disc.surplus.norm[0])
+        assert known.slope.overlaps((values[1] - values[0]) / (arb(ends[1]) - arb(ends[0])))
 
 
 def test_a_disc_contains_more_than_its_middle(problem, balls):
