@@ -11,14 +11,14 @@ is a defect; the share that balls leave undecided is reported.
 import argparse
 import sys
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from fifty_digits import fifty_digits, scan_fixed, sign_changes
+from fifty_digits import fifty_digits, scan_fixed, sign_changes, surplus
 
 from frontal_biped.design import optimise_gait
 from frontal_biped.exceptions import ReversalError
@@ -32,9 +32,11 @@ from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.balls import working
 from frontal_biped.zero_dynamics.proof.decimals import decimal_chain
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
+from frontal_biped.zero_dynamics.proof.imposed_zeros import imposed_zeros
 from frontal_biped.zero_dynamics.proof.theorems import fixed_zeros
 from frontal_biped.zero_dynamics.reversal.certificate import certify_reversal
 from frontal_biped.zero_dynamics.reversal.problem import ReversalProblem
+from frontal_biped.zero_dynamics.reversal.zeros import ZeroCount
 
 SPECIFICATIONS = ("reference", "robust")
 HUMANOIDS = ("talos_full", "g1", "romeo", "icub")
@@ -42,8 +44,11 @@ HUMANOIDS = ("talos_full", "g1", "romeo", "icub")
 SMALLEST, LARGEST = 1e-5, 2e-2
 """Sizes of the random changes: standard deviations of angles [rad], and of lengths [m] a tenth of them."""
 
-POINTS = 300
-"""Of a scan."""
+POINTS, POINTS_IMPOSED = 300, 50
+"""Of a scan, at fixed parameters, and with invariance imposed."""
+
+IMPOSED = 5
+"""Of so many sets one is looked at with invariance imposed, too."""
 
 
 class Outcome(NamedTuple):
@@ -94,59 +99,88 @@ def changed(free: FreeParameters, generator: np.random.Generator, size: float) -
     )
 
 
-def outcomes(seed: int) -> Iterator[Outcome]:
-    """The parameter set of a seed; none where the draw has no step to speak of."""
+def outcomes(seed: int, imposed: bool = False) -> Iterator[Outcome]:
+    """The parameter set of a seed; none where the draw has no step to speak of.
+
+    Args:
+        seed: of the draw.
+        imposed: look at the zeros with invariance imposed as well? That takes five times as long.
+    """
     generator = np.random.default_rng(seed)
     name = str(generator.choice([*SPECIFICATIONS, *HUMANOIDS]))
     size = float(np.exp(generator.uniform(np.log(SMALLEST), np.log(LARGEST))))
     biped, gait = gait_of(name)
     nodes = converged_nodes(biped, gait.rising, gait.falling, gait.step_width)
     free = changed(free_parameters(gait.rising, gait.falling, gait.step_width), generator, size)
-    problem = ReversalProblem(biped, free, nodes)
     try:
-        measured = certify_reversal(problem).fixed
+        measured = certify_reversal(ReversalProblem(biped, free, nodes))
     except ReversalError:
         return
-    if not measured.region:
+    if not measured.fixed.region:
         return
-    (region,) = measured.region
+    (region,) = measured.fixed.region
     with working():
-        found = fixed_zeros(BallGait.of(decimal_chain(biped), free), region).found
+        balls = BallGait.of(decimal_chain(biped), free)
+        found = fixed_zeros(balls, region).found
     with fifty_digits():
-        scan = sign_changes(scan_fixed(BallGait.of(decimal_chain(biped), free), region, POINTS))
-    number = len(found.zeros)
+        long = BallGait.of(decimal_chain(biped), free)
+        scan = sign_changes(scan_fixed(long, region, POINTS))
+    yield compared(f"{name} +- {size:.1e}, b fixed", found.zeros, found.undecided, measured.fixed, scan)
+    if imposed:
+        with working():
+            own = imposed_zeros(balls, measured.self_consistent.region)
+        with fifty_digits():
+            scan = [
+                change
+                for low, high in measured.self_consistent.region
+                for change in sign_changes([(x, surplus(long, x)) for x in np.linspace(low, high, POINTS_IMPOSED)])
+            ]
+        counted = measured.self_consistent
+        yield compared(f"{name} +- {size:.1e}, b imposed", own.places, own.undecided, counted, scan)
+
+
+Interval = tuple[float, float]
+
+
+def compared(
+    name: str, zeros: Sequence[Interval], undecided: Sequence[Interval], measured: ZeroCount, scan: Sequence[Interval]
+) -> Outcome:
+    """A proved count against a measured one and a scan.
+
+    Args:
+        name: of the outcome.
+        zeros: as proved.
+        undecided: likewise.
+        measured: the other count.
+        scan: between which points the sign changes.
+    """
+    number, exact = len(zeros), not undecided
     places = [zero.place for zero in measured.zeros]
-    possible = [*found.zeros, *found.undecided]
+    possible = [*zeros, *undecided]
     faults = []
-    if found.exact and not measured.undecided and number != len(places):
-        faults.append(f"{number} zeros proved, {len(places)} measured")
-    if found.exact and number < len(places):
-        faults.append(f"{number} zeros proved, at least {len(places)} measured")
     if number > len(places) and not measured.undecided:
         faults.append(f"{number} zeros proved, {len(places)} measured")
+    if exact and number < len(places):
+        faults.append(f"{number} zeros proved, at least {len(places)} measured")
     if any(not _meets((place, place), possible) for place in places):
         faults.append("a measured zero where none is, as proved")
     if any(not _meets(change, possible) for change in scan):
         faults.append("the scan has a change of sign where no zero is, as proved")
-    if found.exact and (len(scan) > number or (number - len(scan)) % 2):
+    if exact and (len(scan) > number or (number - len(scan)) % 2):
         faults.append(f"{number} zeros proved, {len(scan)} changes of sign in the scan")
-    yield Outcome(
-        f"{name} +- {size:.1e}",
-        number if found.exact else None,
-        None if measured.undecided else len(places),
-        len(scan),
-        tuple(faults),
+    return Outcome(
+        name, number if exact else None, None if measured.undecided else len(places), len(scan), tuple(faults)
     )
 
 
-def _meets(part: tuple[float, float], others: list[tuple[float, float]]) -> bool:
+def _meets(part: Interval, others: Sequence[Interval]) -> bool:
     slack = 1e-9
     return any(a - slack <= part[1] and part[0] <= b + slack for a, b in others)
 
 
 def _of_seed(seed: int) -> list[Outcome]:
     try:
-        return list(outcomes(seed))
+        return list(outcomes(seed, imposed=seed % IMPOSED == 0))
     except NotEnclosedError as error:
         return [Outcome(f"seed {seed}: {error}", None, None, 0, ())]
 
@@ -158,17 +192,18 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=2, help="processes; default: 2")
     arguments = parser.parse_args()
     found: list[Outcome] = []
-    drawn = 0
+    sets = drawn = 0
     with ProcessPoolExecutor(arguments.jobs) as pool:
-        while len(found) < arguments.sets:
+        while sets < arguments.sets:
             seeds = range(arguments.seed + drawn, arguments.seed + drawn + 4 * arguments.jobs)
             for new in pool.map(_of_seed, seeds):
                 found += new
+                sets += bool(new)
             drawn += len(seeds)
-            print(f"{len(found)} of {arguments.sets}, {drawn} drawn", file=sys.stderr, flush=True)
+            print(f"{sets} of {arguments.sets}, {drawn} drawn", file=sys.stderr, flush=True)
     faults = [f"{outcome.name}: {fault}" for outcome in found for fault in outcome.faults]
     undecided = [outcome for outcome in found if outcome.proved is None]
-    print(f"{len(found)} parameter sets of {drawn} drawn")
+    print(f"{sets} parameter sets of {drawn} drawn, {len(found)} counts")
     print(f"zeros proved: {dict(sorted(Counter(o.proved for o in found if o.proved is not None).items()))}")
     print(f"undecided: {len(undecided)}, by measurement {sum(o.measured is None for o in found)}")
     print("\n".join(f"  undecided: {outcome.name}" for outcome in undecided))
