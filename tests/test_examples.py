@@ -154,9 +154,10 @@ def code_cells(notebook):
 
 
 IN_A_NOTEBOOK = "g1_in_a_notebook.ipynb"
+PROOFS = "proofs.ipynb"
 
 
-@pytest.mark.parametrize(("name", "most"), [("reversal.ipynb", 150_000), (IN_A_NOTEBOOK, 300_000)])
+@pytest.mark.parametrize(("name", "most"), [("reversal.ipynb", 150_000), (PROOFS, 150_000), (IN_A_NOTEBOOK, 300_000)])
 def test_outputs_of_a_notebook_are_stored(name, most):
     path = EXAMPLES / name
     assert path.stat().st_size < most
@@ -182,10 +183,12 @@ def test_five_tasks_of_a_new_user_take_at_most_six_lines_each():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["reversal.ipynb", IN_A_NOTEBOOK])
+@pytest.mark.parametrize("name", ["reversal.ipynb", PROOFS, IN_A_NOTEBOOK])
 def test_a_notebook_prints_what_is_stored(name, tmp_path):
     if name == IN_A_NOTEBOOK:
         pytest.importorskip("mujoco")
+    if name == PROOFS:
+        pytest.importorskip("flint")
     stored = code_cells(nbformat.read(EXAMPLES / name, as_version=4))
     cells = code_cells(executed(name, tmp_path))
     pages = [part for cell in cells for part in cell.outputs if "srcdoc" in part.get("data", {}).get("text/html", "")]

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.torques.linearisation import F_V, JOINTS, N_0, Motion, StanceDynamics, Targets
-from frontal_biped.control.torques.nearest_motion import EXACT, NEVER, NearestMotion
+from frontal_biped.control.torques.nearest_motion import EXACT, NEVER, STEEP, NearestMotion
 from frontal_biped.control.torques.walking_qp import OUTPUT_ACCELERATION
 from frontal_biped.files.extras import missing_extra
 
@@ -117,7 +117,7 @@ def few_active_rows(
     if h[most] <= 0.0:
         return CLOSED_FORM
     # ------------------------------------------------------------------ rows in the residuals, G r >= h
-    along = np.empty((n, n))
+    along, steep = np.empty((n, n)), 0.0
     for j in range(n):
         k = T_0
         if j < n - 1:
@@ -126,6 +126,9 @@ def few_active_rows(
                 k -= OUTPUT_ACCELERATION * m[i] * of_outputs[i, j]
         for i in range(n):
             along[i, j] = line[1, i] * k / I_P + OUTPUT_ACCELERATION * of_outputs[i, j]
+            steep += along[i, j] * along[i, j]
+    if not steep < STEEP * STEEP:
+        return NOT_FOUND
     G = np.empty((rows, n))
     of_motion = np.empty(n)
     for i in range(rows):

@@ -39,6 +39,11 @@ NEVER = -1e9
 """Stands for minus infinity: a row that is never active."""
 
 
+STEEP = 1e8
+"""Norm of the accelerations by the residuals [rad/s^2], above which I_P nearly vanishes: the linearising motion is as
+large, and what is left of it when the limits are kept has lost as many digits."""
+
+
 class Nearest(NamedTuple):
     """The optimum of the walking program.
 
@@ -105,7 +110,7 @@ class NearestMotion:
             origin = dynamics.linearising(targets._replace(ddy=np.zeros(BODY_JOINTS))) or linearising
         along = dynamics.along_residuals(targets, OUTPUT_ACCELERATION, self.torque_unit)
         G, h = self._limits(dynamics, origin, along)
-        if not isfinite(h.dot(h) + np.vdot(along, along)):
+        if not (isfinite(h.dot(h)) and np.vdot(along, along) < STEEP * STEEP):
             return None
         try:
             r, delta, violation = self._optimum_or_nearest(G, h, targets)

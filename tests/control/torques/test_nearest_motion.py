@@ -128,7 +128,7 @@ def test_where_the_decoupling_matrix_is_singular(biped, reference_gait):
     q, dq = state = reference_gait.state_after_impact()
     targets = controller.targets(StepPhase.RISING, state)[0]
     momentum = StanceModel(biped).at(state).M[:, 3:] @ np.concatenate([[1.0], targets.h_d1])
-    for nearly in (0.0, 1e-15, 1e-12):
+    for nearly in (0.0, *(sign * 10.0**-k for sign in (1.0, -1.0) for k in range(6, 16))):
         p_fri = momentum[2] / momentum[1] + nearly
         answer = controller.program.solve(state, targets._replace(p_fri=p_fri))
         assert answer is not None
