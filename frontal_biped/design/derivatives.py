@@ -1,9 +1,9 @@
 """Exact derivatives of the calls into Pinocchio, as rules for `Dual` arrays.
 
-Inverse dynamics along a curve needs only first derivatives of RNEA without gravity: A = M q' is that at (q, 0, q'),
-B at (q, q', q''). G is what a ground accelerated upwards by g would ask for, a column of M, and its derivative is read
-off M as well. No second derivative of the model appears. Each node is differentiated by its own q, q', q'' (4 each),
-and one product per node takes these to the P variables.
+Inverse dynamics along a curve needs only first derivatives of RNEA without gravity at (q, q', q''), which is B. They
+tell A = M q', that at (q, 0, q'), and G, what a ground accelerated upwards by g would ask for, and their derivatives
+(`design.side_by_side`). No second derivative of the model appears. Each node is differentiated by its own q, q', q''
+(4 each), and one product per node takes these to the P variables.
 """
 
 from dataclasses import dataclass
@@ -81,23 +81,18 @@ class DifferentiableBiped:
         def block() -> FloatArray:
             at = nodes.at = _NodeVariables.of(motion)
             n = len(at.q)
-            # A is inverse dynamics at (q, 0, q'), B at (q, q', q'')
-            found = self._many.at(
-                np.concatenate([at.q, at.q]),
-                np.concatenate([np.zeros_like(at.dq), at.dq]),
-                np.concatenate([at.dq, at.ddq]),
-            )
-            weight = self._many.weight(found.by_ddq[n:])
+            moving = self._many.at(at.q, at.dq, at.ddq)  # B
+            from_rest, weight = self._many.from_rest(moving, at.dq), self._many.weight(moving.by_ddq)  # A, G
             values, local = np.empty((3, WIDTH, n)), np.zeros((3, n, WIDTH, 10))
-            values[0], values[1], values[2] = found.tau[:n].T, found.tau[n:].T, weight.tau.T
-            local[0, :, :, :4], local[1, :, :, :4], local[2, :, :, :4] = found.by_q[:n], found.by_q[n:], weight.by_q
-            local[0, :, :, 4:7] = local[1, :, :, 7:] = found.by_ddq[n:, :, 1:]
-            local[1, :, :, 4:7] = found.by_dq[n:, :, 1:]
+            values[0], values[1], values[2] = from_rest.tau.T, moving.tau.T, weight.tau.T
+            local[0, :, :, :4], local[1, :, :, :4], local[2, :, :, :4] = from_rest.by_q, moving.by_q, weight.by_q
+            local[0, :, :, 4:7] = local[1, :, :, 7:] = moving.by_ddq[:, :, 1:]
+            local[1, :, :, 4:7] = moving.by_dq[:, :, 1:]
             nodes.values, nodes.local = values, local
             rows, by_node = np.empty((n, 11)), np.zeros((n, 11, 10))
             rows[:, :9] = values[:, GROUND].reshape(9, n).T
             by_node[:, :9].reshape(n, 3, BASE, 10)[:] = local[:, :, GROUND].transpose(1, 0, 2, 3)
-            rows[:, 9:], by_node[:, 9:, :4] = self._sole_heights(at.q, found.J[n:])
+            rows[:, 9:], by_node[:, 9:, :4] = self._sole_heights(at.q, moving.J)
             return at.carried(rows, by_node)
 
         rows = Dual(computed(tape, block), tape)

@@ -3,8 +3,8 @@
 One call speaks for all copies, which stand on the ground beside each other and do not feel it. The stance foot is at
 rest and there is no gravity, so the ground's reaction is what the stance ankle passes on: its derivatives are those
 that Pinocchio keeps of the force on what each joint carries, and the force itself follows from them, being linear in
-the accelerations and quadratic in the velocities. The weight is asked of the same matrices: it is what a ground
-accelerated upwards by g would want.
+the accelerations and quadratic in the velocities. What a motion's matrices say already is not asked again: the weight,
+which is what a ground accelerated upwards by g would want, and the same robot set in motion from rest.
 """
 
 from typing import NamedTuple
@@ -47,8 +47,8 @@ class InverseDynamics(NamedTuple):
     J: FloatArray
 
 
-class Weight(NamedTuple):
-    """Torques of the weight at n states, rows as in `InverseDynamics`.
+class AtRest(NamedTuple):
+    """Inverse dynamics of a robot that does not move yet, at n states, rows as in `InverseDynamics`.
 
     Attributes:
         tau: (n, 7).
@@ -112,8 +112,8 @@ class SideBySide:
         tau[:, GROUND] = push[:, :, 0]
         return InverseDynamics(tau, by_q, by_dq, by_ddq, J.reshape(-1, 2, 4)[:n])
 
-    def weight(self, by_ddq: FloatArray) -> Weight:
-        """Of the states that ``by_ddq`` (n, 7, 4) of `InverseDynamics` belongs to.
+    def weight(self, by_ddq: FloatArray) -> AtRest:
+        """The weight alone at the states that ``by_ddq`` (n, 7, 4) of `InverseDynamics` belongs to.
 
         Turning joint j moves the centre of mass of what it carries by a quarter turn of its lever: the moment about the
         ground point changes by the horizontal way times the weight, the torque about joint i by that of the later of i
@@ -125,7 +125,29 @@ class SideBySide:
         tau[:, JOINTS] = GRAVITY * by_ddq[:, _V]
         tau[:, _V], tau[:, _MOMENT] = self._weight, tau[:, 3] + self._moment_of_foot
         by_q[:, _MOMENT], by_q[:, JOINTS] = ways, ways[:, LATER]
-        return Weight(tau, by_q)
+        return AtRest(tau, by_q)
+
+    def from_rest(self, motion: InverseDynamics, dq: FloatArray) -> AtRest:
+        """M dq: what the robot wants that is accelerated by a motion's own velocities dq (n, 4) from rest.
+
+        In the plane, as complex numbers h + i v, turning joint k moves the place c of a mass m that it carries by
+        i (c - p_k), and its velocity c' by i (c - p_k)'. Moments about joint i, not after k, and their derivatives are
+
+            here           Im sum m conj(c - p_i) c'       Re sum m conj(c - p_i) (c - p_k)' - m conj(c - p_k) c'
+            in motion      Im sum m conj(c - p_i) c''      by q', Re 2 sum m conj(c - p_i) (c - p_k)'
+
+        so that half of what the motion has by its velocities is too much by  Re sum m conj(c - p_k) c', whatever i is;
+        M being symmetric, it is the later joint's for i after k too. Where i is k, the derivative here is but
+        -Re conj(sum m (c - p_k)) p_k', which tells the sum. The force, sum m c', has half exactly.
+        """
+        tau = (motion.by_ddq @ dq[:, :, None])[:, :, 0]
+        by_q = 0.5 * motion.by_dq
+        velocity = np.cumsum(motion.J * dq[:, None], axis=2) - motion.J * np.cumsum(dq, axis=1)[:, None]  # of joints
+        about_itself = motion.by_ddq[:, _H] * velocity[:, 1] - motion.by_ddq[:, _V] * velocity[:, 0]
+        excess = np.diagonal(by_q[:, JOINTS], axis1=1, axis2=2) - about_itself
+        by_q[:, _MOMENT] -= excess
+        by_q[:, JOINTS] -= excess[:, LATER]
+        return AtRest(tau, by_q)
 
 
 _MADE: WeakKeyDictionary[FrontalBiped, SideBySide] = WeakKeyDictionary()

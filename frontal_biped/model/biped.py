@@ -190,7 +190,7 @@ class FrontalBiped(ShownAsPage):
     @cached_property
     def many(self) -> ManyStates:
         """The same dynamics at many states in one call."""
-        return ManyStates(self.pinned, self.floating)
+        return ManyStates(self.pinned, self.chain.planar_base_model())
 
     def D(self, q: FloatArray) -> FloatArray:
         """(4, 4) mass matrix [kg m^2]."""

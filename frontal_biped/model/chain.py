@@ -89,7 +89,19 @@ class FrontalChain:
         base = model.addJoint(0, pin.JointModelPX(), identity, "foot_h")
         base = model.addJoint(base, pin.JointModelPY(), identity, "foot_v")
         base = model.addJoint(base, pin.JointModelRZ(), identity, "foot_rotation")
-        model.appendBodyToJoint(base, _inertia(self.bodies[0], np.zeros(2)), identity)
+        return self._on_base(model, base)
+
+    def planar_base_model(self) -> pin.Model:
+        """`floating_model` with its base in one joint: the same forces of a foot at rest, in less time.
+
+        A configuration is h, v, cosine and sine of the foot's rotation, then q.
+        """
+        model = _empty_model("planar_base")
+        return self._on_base(model, model.addJoint(0, pin.JointModelPlanar(), pin.SE3.Identity(), "foot"))
+
+    def _on_base(self, model: pin.Model, base: int) -> pin.Model:
+        """All five links on a base of three freedoms."""
+        model.appendBodyToJoint(base, _inertia(self.bodies[0], np.zeros(2)), pin.SE3.Identity())
         self._append_chain(model, base)
         model.armature = np.concatenate([np.zeros(3), self.armature])
         return model

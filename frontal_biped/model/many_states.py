@@ -14,12 +14,13 @@ class ManyStates:
 
     Args:
         pinned: model of the four moving links, stance foot fixed.
-        floating: model of all five links.
+        planar_base: model of all five links, the stance foot on a planar joint.
     """
 
-    def __init__(self, pinned: pin.Model, floating: pin.Model) -> None:
-        self._base = floating.nv - pinned.nv  # freedoms of the stance foot, which come first
-        self._pinned, self._floating = pin.ModelPool(pinned, 1), pin.ModelPool(floating, 1)
+    def __init__(self, pinned: pin.Model, planar_base: pin.Model) -> None:
+        self._pinned, self._on_foot = pin.ModelPool(pinned, 1), pin.ModelPool(planar_base, 1)
+        # configuration and freedoms of the stance foot at rest, which come first
+        self._foot, self._still = pin.neutral(planar_base)[: -pinned.nq], np.zeros(planar_base.nv - pinned.nv)
 
     def forward_dynamics(self, q: FloatArray, dq: FloatArray, u: FloatArray) -> FloatArray:
         """(m, 4) ddq [rad/s^2] at q, dq (m, 4) under the torques u (m, 4) [N m], stance foot held."""
@@ -27,9 +28,13 @@ class ManyStates:
 
     def inverse_dynamics(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> FloatArray:
         """(m, 7) F_h, F_v [N], N_0 [N m], u_1..u_4 [N m] of motions with the stance foot at rest, as for one state."""
-        foot_at_rest = np.zeros((3, len(q), self._base + q.shape[1]))
-        foot_at_rest[:, :, self._base :] = q, dq, ddq
-        return _rows(pin.rneaInParallel, self._floating, *foot_at_rest)
+        states = zip((self._foot, self._still, self._still), (q, dq, ddq), strict=True)
+        return _rows(pin.rneaInParallel, self._on_foot, *(_behind(foot, joints) for foot, joints in states))
+
+
+def _behind(foot: FloatArray, joints: FloatArray) -> FloatArray:
+    """(m, b + 4) the same (b,) before every row of (m, 4)."""
+    return np.concatenate([np.broadcast_to(foot, (len(joints), len(foot))), joints], axis=1)
 
 
 def _rows(function: object, pool: pin.ModelPool, *arrays: FloatArray) -> FloatArray:

@@ -1,19 +1,19 @@
 """What things cost, measured beside their peers in one run. No time is asserted; quote ratios, times are the machine's.
 
 **Designs**, `benchmark_design.py --quick` (extra ``bench``, ``OMP_NUM_THREADS=1``): CPU time of whole designs from the
-default start, as a ratio to `optimise_gait` in the same run, one thread, median of 3, on a busy machine:
+default start, as a ratio to `optimise_gait` in the same run, one thread, medians of four runs on a busy machine:
 
                                                               reference    pelvis within 5 degrees
     optimise_gait: optimiser, dense check, simulated step       1            1
-    the same problem in CasADi with IPOPT, exact Hessian     18.8         15.9
-      of which IPOPT, its derivative graphs already built     3.6          2.7
-    optimiser alone                                           0.64         0.73
-    SciPy SLSQP, our exact gradients                          5.9          3.8
+    the same problem in CasADi with IPOPT, exact Hessian     17.8         16.3
+      of which IPOPT, its derivative graphs already built     3.8          2.6
+    optimiser alone                                           0.52         0.65
+    SciPy SLSQP, our exact gradients                          5.3          3.2
 
 All of these reach the optimum. Of SciPy trust-constr and IPOPT without second derivatives, 60 s each on our gradients,
 only the latter did, and on the second specification alone, when that was last tried. Beside the package of commit
-6097817, least of twenty in turn on a busy machine: a design takes 2.7 and 2.8 times less CPU time, an evaluation with
-all derivatives 2.1 times, a gait of a library (25 neighbours) 3.0 times: 92 ms where it took 273.
+6097817, least of thirty in turn on a busy machine: a design takes 2.7 and 2.9 times less CPU time, an evaluation with
+all derivatives 2.1 to 2.3 times, a gait of a library (25 neighbours) 2.7 times: 87 ms where it took 238.
 `benchmark_starts.py` says how often random starts and random specifications succeed.
 
 **Ticks**, `benchmark_control_tick.py`: one tick at 1 kHz on the Table I robot. Measured beside TSID 1.10 before the

@@ -36,6 +36,17 @@ def test_weight_alone_is_inverse_dynamics_at_rest(robot):
     assert_close(weight.tau, np.array([robot.inverse_dynamics(at, *np.zeros((2, 4))) for at in q]), SAME)
 
 
+@pytest.mark.parametrize("n", [1, COPIES + 1])
+def test_set_in_motion_from_rest_is_inverse_dynamics_without_velocity(robot, n):
+    """And its derivatives are those of the states at rest themselves."""
+    q, dq, ddq = states(n, seed=4)
+    many = side_by_side(robot)
+    found = many.from_rest(many.at(q, dq, ddq), dq)
+    expected = many.at(q, np.zeros_like(dq), dq)
+    assert_close(found.tau, expected.tau, SAME)
+    assert_close(found.by_q, expected.by_q, SAME, floor=1.0)
+
+
 def test_derivatives_against_differences(robot):
     q, dq, ddq = states(3, seed=2)
     many = side_by_side(robot)

@@ -22,6 +22,12 @@ def test_rows_are_the_answers_for_single_states(biped, count):
     assert forces[:, 3:] == pytest.approx(u, abs=1e-9)
 
 
+def test_every_robot_stands_on_its_foot_as_for_one_state(robot):
+    q, dq, ddq = np.random.default_rng(3).normal(size=(3, 4, 4))
+    expected = [robot.inverse_dynamics(*at) for at in zip(q, dq, ddq, strict=True)]
+    np.testing.assert_allclose(robot.many.inverse_dynamics(q, dq, ddq), expected, rtol=0.0, atol=ROUNDING)
+
+
 def test_columns_of_other_arrays_are_rows_too(biped):
     """Slices of a trajectory (T, 8) are not contiguous."""
     x = np.random.default_rng(0).uniform(-1.5, -1.0, (5, 8))
