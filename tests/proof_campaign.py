@@ -47,7 +47,7 @@ SMALLEST, LARGEST = 1e-5, 2e-2
 POINTS, POINTS_IMPOSED = 300, 50
 """Of a scan, at fixed parameters, and with invariance imposed."""
 
-IMPOSED = 5
+IMPOSED = 20
 """Of so many sets one is looked at with invariance imposed, too."""
 
 
@@ -195,12 +195,14 @@ def main() -> int:
     sets = drawn = 0
     with ProcessPoolExecutor(arguments.jobs) as pool:
         while sets < arguments.sets:
-            seeds = range(arguments.seed + drawn, arguments.seed + drawn + 4 * arguments.jobs)
+            first = arguments.seed + drawn
+            seeds = range(first, first + 4 * arguments.jobs)
             for new in pool.map(_of_seed, seeds):
                 found += new
                 sets += bool(new)
-            drawn += len(seeds)
-            print(f"{sets} of {arguments.sets}, {drawn} drawn", file=sys.stderr, flush=True)
+                drawn += 1
+                told = "; ".join(f"{o.name}: {o.proved} proved" for o in new) or "no step"
+                print(f"{sets} of {arguments.sets}, {drawn} drawn: {told}", file=sys.stderr, flush=True)
     faults = [f"{outcome.name}: {fault}" for outcome in found for fault in outcome.faults]
     undecided = [outcome for outcome in found if outcome.proved is None]
     print(f"{sets} parameter sets of {drawn} drawn, {len(found)} counts")

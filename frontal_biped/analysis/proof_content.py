@@ -195,6 +195,7 @@ def _basin_listed(basin: ProvedBasin) -> dict[str, Any]:
         "stabiliser": "re-anchored",
         "low": basin.low,
         "high": basin.high,
+        "looking_ahead": list(basin.looking_ahead),
         "factor": _ball(basin.factor),
         "beyond": basin.beyond,
         "tiles": list(basin.tiles),

@@ -1,5 +1,6 @@
 """What proofs of a gait's limits and of its basin ask, as data: bounds with their tolerances, and the transitions."""
 
+from frontal_biped.control.stabilisers.look_ahead import NEAR
 from frontal_biped.control.stabilisers.transitions import ENOUGH_INERTIA, LOOKS, REJOINS, ReanchoringTransitions
 from frontal_biped.gait.check import FLAT_TOLERANCE, ROUNDING
 from frontal_biped.gait.constraints import SoleHeights, sole_heights, step_constraints
@@ -26,6 +27,9 @@ def asked_bounds(biped: FrontalBiped, gait: Gait) -> list[Bound]:
     return _bounds(biped, gait, gait.specification)
 
 
+INSIDE = 1e-9
+"""Share that is left out of `NEAR`, for the speed it is compared with is a rounded one."""
+
 CONTACT = ("C04", "C05", "C06", "C07", "C08")
 """Codes of the bounds that the restricted map keeps."""
 
@@ -42,7 +46,7 @@ def perturbed_steps(biped: FrontalBiped, gait: Gait, orbit: BallOrbit) -> Pertur
     tapers = Tapers(planned.taper, planned.curvature_taper, planned.fri_taper)
     # the last one joins at the impact, whatever it is
     rejoining = Rejoining(REJOINS[:-1], ENOUGH_INERTIA, LOOKS)
-    return PerturbedSteps(orbit, tapers, rejoining, contact_bounds(biped, gait))
+    return PerturbedSteps(orbit, tapers, rejoining, contact_bounds(biped, gait), NEAR * (1.0 - INSIDE))
 
 
 def contact_bounds(biped: FrontalBiped, gait: Gait) -> list[Bound]:

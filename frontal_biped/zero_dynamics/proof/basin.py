@@ -27,6 +27,9 @@ m q < 1 on tiles that cover the early side, and m < 1 on the late one, so the ne
 limits, affine in dbeta^2 or a ratio of such, hold at each beta at rest and at the greatest speed of the interval, so
 at all between. What the swing foot must do at the impact does not depend on the speed, but for its size.
 
+**Looking ahead.** Within the error that `PerturbedSteps.alike` gives, the stabiliser that looks ahead answers as this
+one does, without looking; and errors shrink. So what is proved between those speeds is proved of it, too.
+
 The transitions are those of exact arithmetic: within 1e-9 rad of the planned reversal the program takes the planned
 falling phase as it is. Which c it chooses is proved, not assumed: on every tile its first one keeps enough inertia.
 """
@@ -56,6 +59,7 @@ class ProvedBasin:
         limits: with what room they are kept; no bound is left out.
         low_limited_by: what kept lower speeds from being proved.
         high_limited_by: what kept higher ones.
+        alike: relative error of the speed up to which transitions that look ahead are no others [-].
     """
 
     low: float
@@ -66,6 +70,7 @@ class ProvedBasin:
     limits: tuple[ProvedLimit, ...]
     low_limited_by: str = ""
     high_limited_by: str = ""
+    alike: float = 0.0
 
     @property
     def proved(self) -> Proof:
@@ -79,17 +84,24 @@ class ProvedBasin:
         return self.high - self.low if self.proved is Proof.PROVED else 0.0
 
     @property
+    def looking_ahead(self) -> tuple[float, float]:
+        """Speeds that return when looking ahead, too: errors shrink, so they stay where the answers are alike."""
+        if self.proved is not Proof.PROVED:
+            return 1.0, 1.0
+        return max(self.low, nextafter(1.0 - self.alike, 2.0)), min(self.high, nextafter(1.0 + self.alike, 0.0))
+
+    @property
     def rows(self) -> list[tuple[str, str]]:
         """(name, text) for a report."""
         if self.proved is not Proof.PROVED:
             return [("basin on Z", f"{self.proved.value}: not even at the orbit ({self.high_limited_by})")]
-        low, high = (f"{100.0 * (ratio - 1.0):+.2f} %" for ratio in (self.low, self.high))
+        low, high, *ahead = (f"{100.0 * (x - 1.0):+.2f} %" for x in (self.low, self.high, *self.looking_ahead))
         return [
             (
                 "basin on Z",
                 f"proved: {low} (then not: {self.low_limited_by}) to {high} (then not: {self.high_limited_by}) of the"
                 f" speed after the impact; the energy error shrinks to {float(self.factor.upper()):.4f} of it in a"
-                " step, or less",
+                f" step, or less; looking ahead, {ahead[0]} to {ahead[1]}",
             )
         ]
 
@@ -150,7 +162,7 @@ def prove_basin(steps: PerturbedSteps, rests_on: BasinTiles | None = None) -> Pr
     low = nextafter(float((1 - M * arb(earliest) / orbit.energy).sqrt().upper()), 1.0)
     high = nextafter(float((1 + late.energy / orbit.energy).sqrt().lower()), 1.0)
     why = (early.why, late.why) if rests_on is None else rests_on.limited_by
-    return ProvedBasin(low, high, early.factor, late.beyond, early.ends, early.limits, *why)
+    return ProvedBasin(low, high, early.factor, late.beyond, early.ends, early.limits, *why, steps.alike)
 
 
 class _Late(NamedTuple):

@@ -157,12 +157,14 @@ class PerturbedSteps:
         tapers: of the continuation beyond the planned reversal.
         rejoining: how an early falling phase rejoins its path.
         bounds: limits of contact and motors, C04 to C08 without the reserves of a plan.
+        alike: relative error of the speed up to which those that look ahead are no others [-].
     """
 
     orbit: BallOrbit
     tapers: Tapers
     rejoining: Rejoining
     bounds: Sequence[Bound]
+    alike: float
 
     # ------------------------------------------------------------------ late
     def late(self, beyond: float) -> tuple[Ball, list[ProvedLimit]]:

@@ -13,7 +13,7 @@ from frontal_biped.virtual_constraints.anchoring import anchored_falling
 from frontal_biped.virtual_constraints.invariance import free_parameters
 from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.balls import arb, working
-from frontal_biped.zero_dynamics.proof.basin import BasinTiles, prove_basin
+from frontal_biped.zero_dynamics.proof.basin import BasinTiles, no_basin, prove_basin
 from frontal_biped.zero_dynamics.proof.chain import BallChain
 from frontal_biped.zero_dynamics.proof.limits import BallOrbit, Bound
 from frontal_biped.zero_dynamics.proof.reversals import EarlyPath, LatePath, Mismatch
@@ -208,3 +208,14 @@ def test_a_limit_without_an_enclosure_leaves_nothing(steps, name):
     """Nor does one that depends on the speed otherwise than in proportion."""
     unknown = Bound("C06", name, "-", -1.0, 10.0, False, 0.0)
     assert steps.proved(bounds=[*steps.steps.bounds, unknown]).proved is Proof.UNDECIDED
+
+
+def test_looking_ahead_answers_alike_where_that_is_said(steps, proved):
+    """There, the stabiliser that looks ahead makes the very steps of the one that does not; past it, it looks."""
+    low, high = proved.looking_ahead
+    assert proved.low <= low < 1.0 < high <= proved.high
+    ahead = RestrictedMap(steps.biped, steps.gait, make_stabiliser("adaptive", steps.biped, steps.gait))
+    for ratio in np.linspace(low, high, 5):
+        plain, looked = (one.step(one.start(ratio)) for one in (steps.measured, ahead))
+        assert (looked.reversal, looked.landed.dbeta) == (plain.reversal, plain.landed.dbeta)
+    assert no_basin("").looking_ahead == (1.0, 1.0)
