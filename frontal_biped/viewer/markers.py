@@ -85,7 +85,7 @@ def draw_contact(contact: Any, point: str, hip_height: float) -> None:
     import meshcat.geometry as mg
 
     arrow = FORCE_LENGTH * hip_height
-    contact[point].set_object(mg.Sphere(0.021 * hip_height), overlay("fri"))
+    contact[point].set_object(mg.Sphere(0.028 * hip_height), overlay("fri"))
     force = contact["force"]
     force["shaft"].set_object(mg.Cylinder(0.86 * arrow, 0.012 * hip_height), overlay("force", opacity=0.85))
     force["shaft"].set_transform(at(0.0, 0.43 * arrow, 0.0))
