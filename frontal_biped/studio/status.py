@@ -92,10 +92,10 @@ def _proof(state: State) -> str:
     for name, measured, proved in state.proof:
         colour = BAD if "CONTRADICTION" in proved else GOOD if proved == "proved" else PLAIN
         rows.append(
-            f'<tr><td>{html.escape(name)}</td><td style="padding:0 .5em">{html.escape(measured)}</td>'
+            f'<tr><td>{html.escape(name)}</td><td style="padding-right:.5em">{html.escape(measured)}</td>'
             f'<td style="color:{colour}"><b>{html.escape(proved)}</b></td></tr>'
         )
-    head = "<tr>" + "".join(f'<th style="text-align:left">{word}</th>' for word in HEAD) + "</tr>"
+    head = "<tr>" + "".join(f'<th style="text-align:left;padding-right:.5em">{word}</th>' for word in HEAD) + "</tr>"
     return f'<table style="border-collapse:collapse;font-size:.92em;margin:.3em 0">{head}{"".join(rows)}</table>'
 
 
