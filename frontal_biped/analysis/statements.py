@@ -11,7 +11,7 @@ from typing import Any
 
 from frontal_biped.analysis.closed_form import GaitAnalysis
 from frontal_biped.gait.check import ConstraintCheck
-from frontal_biped.numerics.verdict import Verdict
+from frontal_biped.numerics.verdict import COLUMNS, Verdict
 from frontal_biped.zero_dynamics.proof.gait_proof import GaitProof
 from frontal_biped.zero_dynamics.proof.limits import Bound
 from frontal_biped.zero_dynamics.proof.theorems import Proof
@@ -55,10 +55,6 @@ class Statement:
         """For JSON."""
         measured = None if self.measured is None else self.measured.value
         return {"statement": self.name, "measured": measured, "proved": self.proved.value}
-
-
-HEAD = ("statement", "measured", "proved")
-"""Of a table of statements."""
 
 
 def statements(analysis: GaitAnalysis, proof: GaitProof) -> tuple[Statement, ...]:
@@ -117,6 +113,6 @@ def in_brief(found: Sequence[Statement]) -> tuple[Statement, ...]:
 
 def table_text(found: Sequence[Statement]) -> str:
     """A table of statements as text."""
-    rows = [HEAD, *(statement.row for statement in found)]
+    rows = [COLUMNS, *(statement.row for statement in found)]
     widths = [max(len(row[i]) for row in rows) for i in (0, 1)]
     return "\n".join(f"{name:{widths[0]}}  {measured:{widths[1]}}  {proved}" for name, measured, proved in rows)

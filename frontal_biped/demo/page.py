@@ -11,6 +11,7 @@ from frontal_biped.figures.style import DARK
 from frontal_biped.figures.write import FIGURES
 from frontal_biped.files.counted import counted
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.numerics.verdict import COLUMNS
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.viewer.page import animation_page, closed_page, web_text
 
@@ -124,7 +125,7 @@ def _statement_table(rows: Sequence[tuple[str, str, str]]) -> str:
         f'<tr><th scope="row">{typeset(name)}</th><td>{html.escape(measured)}</td><td>{html.escape(proved)}</td></tr>'
         for name, measured, proved in rows
     )
-    head = "".join(f'<th scope="col">{word}</th>' for word in ("statement", "measured", "proved"))
+    head = "".join(f'<th scope="col">{word}</th>' for word in COLUMNS)
     return (
         f'<section id="statements">\n<h2>Proof</h2>\n<div class="scroll"><table>\n<thead><tr>{head}</tr></thead>\n'
         f"<tbody>\n{body}\n</tbody>\n</table></div>\n</section>\n"

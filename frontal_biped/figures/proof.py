@@ -9,6 +9,7 @@ from frontal_biped.analysis.proof import ProofCertificate
 from frontal_biped.figures.style import BLACK, BLUE, GREEN, ORANGE, VERMILION, legend_above, new_figure, styled
 from frontal_biped.gait.gait import converged_nodes
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.zero_dynamics.proof.imposed_zeros import Interval
 from frontal_biped.zero_dynamics.proof.signs import Kind, Piece
 from frontal_biped.zero_dynamics.reversal.problem import ReversalProblem
 
@@ -26,8 +27,6 @@ _POINTS = 161
 
 LINEAR = 2e-3
 """Share of a function's largest value below which the scale is linear."""
-
-Interval = tuple[float, float]
 
 
 @styled

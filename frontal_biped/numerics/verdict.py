@@ -3,6 +3,9 @@
 from collections.abc import Iterable
 from enum import Enum
 
+COLUMNS = ("statement", "measured", "proved")
+"""Of a table that sets what was measured beside what was proved."""
+
 
 class Verdict(Enum):
     """What was shown."""

@@ -3,10 +3,8 @@
 import html
 
 from frontal_biped.gait.check import ConstraintCheck, ConstraintReport
+from frontal_biped.numerics.verdict import COLUMNS
 from frontal_biped.studio.workbench import State
-
-HEAD = ("statement", "measured", "proved")
-"""Of the table of what is proved."""
 
 GOOD, BUSY, BAD, PLAIN = "#1a7f37", "#9a6700", "#c4231c", "#57606a"
 """Colours of what is as wanted, not yet, not so, and of what is said beside it."""
@@ -95,7 +93,7 @@ def _proof(state: State) -> str:
             f'<tr><td>{html.escape(name)}</td><td style="padding-right:.5em">{html.escape(measured)}</td>'
             f'<td style="color:{colour}"><b>{html.escape(proved)}</b></td></tr>'
         )
-    head = "<tr>" + "".join(f'<th style="text-align:left;padding-right:.5em">{word}</th>' for word in HEAD) + "</tr>"
+    head = "<tr>" + "".join(f'<th style="text-align:left;padding-right:.5em">{word}</th>' for word in COLUMNS) + "</tr>"
     return f'<table style="border-collapse:collapse;font-size:.92em;margin:.3em 0">{head}{"".join(rows)}</table>'
 
 

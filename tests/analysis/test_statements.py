@@ -6,8 +6,8 @@ import pytest
 
 from frontal_biped.analysis.closed_form import analyze
 from frontal_biped.analysis.proof import prove
-from frontal_biped.analysis.statements import HEAD, Statement, defects, in_brief, statements, table_text
-from frontal_biped.numerics.verdict import Verdict
+from frontal_biped.analysis.statements import Statement, defects, in_brief, statements, table_text
+from frontal_biped.numerics.verdict import COLUMNS, Verdict
 from frontal_biped.zero_dynamics.proof.theorems import Proof
 
 
@@ -56,7 +56,7 @@ def test_table(analysis, proof):
     found = statements(analysis, proof)
     lines = table_text(found).splitlines()
     assert len(lines) == len(found) + 1
-    assert lines[0].split() == list(HEAD)
+    assert lines[0].split() == list(COLUMNS)
     starts = {line.index(row.row[1]) for line, row in zip(lines[1:], found, strict=True)}
     assert len(starts) == 1, "columns are aligned"
 

@@ -1,10 +1,9 @@
 """Second derivatives of the optimiser, on a problem whose Hessian is known."""
 
-from typing import NamedTuple
-
 import numpy as np
 import pytest
-from random_states import FloatArray, assert_close
+from optimised_point import Point
+from random_states import assert_close
 
 from frontal_biped.design.curvature import LEAST_PIVOT, REGULAR, gauss_newton, updated
 from frontal_biped.design.local_model import Model, Multipliers
@@ -21,16 +20,6 @@ RNG = np.random.default_rng(0)
 SLOPES = RNG.normal(size=(6, SIZE))
 BENT = RNG.normal(size=(SIZE, SIZE))
 PRICE = Multipliers(np.array([0.7]), np.zeros(0), np.zeros(SIZE))
-
-
-class Point(NamedTuple):
-    cost: float
-    cost_gradient: FloatArray
-    residual_jacobian: FloatArray
-    equality: FloatArray
-    equality_jacobian: FloatArray
-    margins: FloatArray
-    margins_jacobian: FloatArray
 
 
 def at(x, bend):

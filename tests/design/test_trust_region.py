@@ -1,10 +1,8 @@
 """The optimiser on small problems whose answers are known."""
 
-from typing import NamedTuple
-
 import numpy as np
 import pytest
-from random_states import FloatArray
+from optimised_point import Point
 from scipy.optimize import minimize as scipy_minimise
 
 from frontal_biped.design.trust_region_sqp import SqpSettings, minimise
@@ -16,16 +14,6 @@ FEASIBLE = 1e-7
 """What the optimiser calls feasible."""
 
 SETTINGS = SqpSettings(cost_scale=1.0, tolerance=1e-12)
-
-
-class Point(NamedTuple):
-    cost: float
-    cost_gradient: FloatArray
-    residual_jacobian: FloatArray
-    equality: FloatArray
-    equality_jacobian: FloatArray
-    margins: FloatArray
-    margins_jacobian: FloatArray
 
 
 def problem(residuals, jacobian, equality=None, margins=None, n=2):

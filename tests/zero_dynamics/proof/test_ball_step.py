@@ -5,27 +5,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from frontal_biped.gait.file import load_gait
-from frontal_biped.gait.shipped import gait_path
-from frontal_biped.model.catalogue import biped_of
 from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.balls import Jet, arb, as_text, exp, from_text, sin_cos, working
 from frontal_biped.zero_dynamics.proof.chain import BallChain
 from frontal_biped.zero_dynamics.proof.functions import Fixed, Imposed
-from frontal_biped.zero_dynamics.reversal.problem import ReversalProblem
 
 QUADRATURE = 1e-7
 """Relative error of an energy from the quadrature, with margin; its nodes are those of the measured certificate."""
-
-NODES = 64
-"""Quadrature nodes a phase."""
-
-
-@pytest.fixture(scope="module", params=["frontal_biped", "g1"])
-def problem(request, reference_gait):
-    name = request.param
-    gait = reference_gait if name == "frontal_biped" else load_gait(gait_path(name))
-    return ReversalProblem.of_phases(biped_of(name), gait.rising, gait.falling, gait.step_width, NODES)
 
 
 @pytest.fixture
@@ -86,7 +72,7 @@ def test_fixed_parameters_along_the_region(problem, balls):
     scale = abs(problem.balance(problem.planned).required)
     for low, high in pairwise(ends):
         known = function.on(low, high)
-        point = fixed(float(high), NODES)
+        point = fixed(float(high), problem.nodes)
         assert known.value.contains(function.at(high))
         assert float(function.at(high).mid()) == pytest.approx(point.surplus, abs=QUADRATURE * scale)
         assert known.slope.overlaps(arb(point.slope, QUADRATURE * abs(point.slope)))

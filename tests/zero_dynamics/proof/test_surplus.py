@@ -3,9 +3,6 @@
 import numpy as np
 import pytest
 
-from frontal_biped.gait.file import load_gait
-from frontal_biped.gait.shipped import gait_path
-from frontal_biped.model.catalogue import biped_of
 from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.balls import arb, working
 from frontal_biped.zero_dynamics.proof.chain import BallChain
@@ -13,21 +10,10 @@ from frontal_biped.zero_dynamics.proof.functions import Imposed
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.signs import Kind, cut
 from frontal_biped.zero_dynamics.proof.surplus import DIAGONAL, Ray, Surplus
-from frontal_biped.zero_dynamics.reversal.problem import ReversalProblem
 from frontal_biped.zero_dynamics.reversal.zeros import imposed_regions
 
 QUADRATURE = 1e-7
 """Relative error of an energy from the quadrature, with margin."""
-
-NODES = 64
-"""Quadrature nodes a phase."""
-
-
-@pytest.fixture(scope="module", params=["frontal_biped", "g1"])
-def problem(request, reference_gait):
-    name = request.param
-    gait = reference_gait if name == "frontal_biped" else load_gait(gait_path(name))
-    return ReversalProblem.of_phases(biped_of(name), gait.rising, gait.falling, gait.step_width, NODES)
 
 
 @pytest.fixture(autouse=True)
