@@ -10,16 +10,13 @@ from dataclasses import dataclass
 from typing import NamedTuple, cast
 
 import numpy as np
-import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.design.forward_mode import Dual, chain
+from frontal_biped.design.forward_mode import Dual
 from frontal_biped.design.side_by_side import GROUND, side_by_side
 from frontal_biped.design.tape import computed
 from frontal_biped.model.biped import BASE, FrontalBiped
-from frontal_biped.model.impact import landing_jacobian
 from frontal_biped.model.space.plane_masses import PlaneDynamics, PlaneMasses
-from frontal_biped.virtual_constraints.invariance import double_support_pose
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion
 from frontal_biped.zero_dynamics.restricted import ProjectedDynamics, RestrictedDynamics
 
@@ -39,40 +36,10 @@ class Projection(NamedTuple):
 
 
 class DifferentiableBiped:
-    """Final pose, impact, projected dynamics and sole heights of a robot, for `Dual` motions."""
+    """Projected dynamics and sole heights of a robot, for `Dual` motions."""
 
     def __init__(self, biped: FrontalBiped) -> None:
         self.biped, self._many = biped, side_by_side(biped)
-        self._weightless = biped.floating.copy()
-        self._weightless.gravity.linear = np.zeros(3)
-        self._data = self._weightless.createData()
-        # rows of the landing that are linear in (v+, L)
-        outer, inner = biped.sole
-        select = np.zeros((9, WIDTH + 3))
-        select[:4, BASE:WIDTH] = np.eye(4)[::-1]
-        select[4:7, WIDTH:] = np.eye(3)
-        select[6, WIDTH] = -biped.ankle_height
-        select[7:, 1] = 1.0
-        select[7:, 2] = inner, outer
-        self._landing_rows = select
-
-    def double_support_pose(self, beta: Dual, step_width: Dual) -> Dual:
-        """(4,) `virtual_constraints.double_support_pose`.
-
-        By the implicit function theorem: the swing ankle stays at (step width, h_a) and the swing foot flat.
-        """
-
-        def block() -> FloatArray:
-            pose = double_support_pose(self.biped, beta.value.item(), step_width.value.item())
-            q = np.zeros(WIDTH)
-            q[BASE:] = pose
-            J = landing_jacobian(self.biped, q)[:, BASE:]
-            by_both = np.empty((4, 2))
-            by_both[0] = 1.0, 0.0
-            by_both[1:] = np.linalg.solve(J[:, 1:], np.array([-J[:, 0], [1.0, 0.0, 0.0]]).T)
-            return Dual.of(pose, np.stack([beta.derivative, step_width.derivative], axis=1) @ by_both.T).block
-
-        return Dual(computed(beta.tape, block), beta.tape)
 
     def project(self, motion: ConstrainedMotion) -> Projection:
         """`zero_dynamics.on_constraints` and the sole heights, for a `Dual` motion of n nodes."""
@@ -113,48 +80,6 @@ class DifferentiableBiped:
         ankle_h, ankle_v = -J[:, 1, -1:], J[:, 0, -1:]
         horizontal = ankle_h + cos * ends + sin * h_a
         return ankle_v + sin * ends - cos * h_a, horizontal[:, :, None] + J[:, None, 1]
-
-    def impact(self, q_minus: Dual, dq_minus: Dual) -> Dual:
-        """(11,) relabelled dq+ (4), impulse (3), lift-off (2) and touchdown (2) vertical velocities of the soles.
-
-        Differentiates M (v+ - v-) = J' L and J v+ = 0 with respect to q and v-.
-        """
-        return Dual(computed(q_minus.tape, lambda: self._impact(q_minus, dq_minus)), q_minus.tape)
-
-    def _impact(self, q_minus: Dual, dq_minus: Dual) -> FloatArray:
-        biped, data = self.biped, self._data
-        q, v_minus = np.zeros(WIDTH), np.zeros(WIDTH)
-        q[BASE:], v_minus[BASE:] = q_minus.value, dq_minus.value
-        J = landing_jacobian(biped, q)
-        M = biped.floating_mass_matrix(q_minus.value)
-        kkt = np.zeros((WIDTH + 3, WIDTH + 3))
-        kkt[:WIDTH, :WIDTH], kkt[:WIDTH, WIDTH:], kkt[WIDTH:, :WIDTH] = M, -J.T, J
-        inverse = np.linalg.inv(kkt)
-        solution = inverse[:, :WIDTH] @ (M @ v_minus)
-        v_plus, L = solution[:WIDTH], solution[WIDTH:]
-
-        pin.computeRNEADerivatives(self._weightless, data, q, np.zeros(WIDTH), v_plus - v_minus)
-        right_q = np.empty((WIDTH + 3, 4))
-        hessian = _planar_hessian(J)
-        right_q[:WIDTH] = (L @ hessian.reshape(3, -1)).reshape(WIDTH, WIDTH)[:, BASE:]  # d(J' L)/dq
-        right_q[:WIDTH] -= data.dtau_dq[:, BASE:]  # d(M dv)/dq
-        right_q[WIDTH:] = -(v_plus @ hessian)[:, BASE:]  # d(J v+)/dq
-        solution_q, solution_v = inverse @ right_q, inverse[:, :WIDTH] @ M[:, BASE:]
-
-        # vertical velocity of a sole end = that of the ankle + rotation rate * horizontal lever, flat at impact
-        heights_q = self._sole_heights(q_minus.value[None], data.J[None, :2, BASE:])[1][0]
-        rate = float(J[2] @ v_minus)
-        rotation = biped.swing_foot_rotation(q_minus.value)
-        ends = np.array([-biped.chain.sole_inner, biped.chain.sole_outer])
-        levers_q = -np.sin(rotation) * ends + np.cos(rotation) * biped.ankle_height
-        touch_q = (v_minus @ hessian)[1, BASE:] + rate * levers_q[:, None]
-        rows = self._landing_rows
-        value = np.concatenate([rows @ solution, heights_q @ dq_minus.value])
-        by_q = np.concatenate([rows @ solution_q, touch_q])
-        by_v = np.concatenate([rows @ solution_v, heights_q])
-        both = chain(value, by_q, q_minus).block
-        both[1:] += dq_minus.derivative @ by_v.T
-        return both
 
 
 @dataclass(frozen=True)
@@ -261,18 +186,3 @@ def _plane_dynamics(masses: PlaneMasses, motion: ConstrainedMotion) -> PlaneDyna
 
 _LOCAL = [*((0, joint) for joint in range(4)), *((part, joint) for part in (1, 2) for joint in range(1, 4))]
 """What a node is differentiated by: q, q' or q'' (0, 1, 2) of which joint."""
-
-
-def _planar_hessian(J: FloatArray) -> FloatArray:
-    """(3, 7, 7) derivative of the landing Jacobian: [row, column, variable].
-
-    Turning joint j moves the lever of joint i <= j as a whole, so dJ_i/dq_j is the quarter turn of J_j, and by
-    symmetry of second derivatives the later of the two joints counts. Translations and the rotation row are constant.
-    """
-    hessian = np.zeros((3, WIDTH, WIDTH))
-    hessian[0, 2:, 2:] = -J[1, _LATER]
-    hessian[1, 2:, 2:] = J[0, _LATER]
-    return hessian
-
-
-_LATER = np.maximum.outer(np.arange(2, WIDTH), np.arange(2, WIDTH))

@@ -17,6 +17,7 @@ from frontal_biped.design.derivatives import DifferentiableBiped, plane_dynamics
 from frontal_biped.design.ends import Periodic, StepEnds
 from frontal_biped.design.evaluation import EQUALITY, Quantities, RecordedProblem
 from frontal_biped.design.forward_mode import Dual
+from frontal_biped.design.landing import DifferentiableLanding
 from frontal_biped.design.local_model import largest_violation
 from frontal_biped.design.tape import computed
 from frontal_biped.design.variables import BETA_IMPACT, STEP_WIDTH, VariableLayout
@@ -95,7 +96,7 @@ class DesignProblem(RecordedProblem):
         self.column_reach = column_reach
         self.within = within
         self.rule = reversal_quadrature(size)
-        self._differentiable = DifferentiableBiped(biped)
+        self._differentiable, self._landing = DifferentiableBiped(biped), DifferentiableLanding(biped)
         self._in_space: list[tuple[FootSole, PlaneMasses]] = []
         if specification.bounds_holding_wrench:
             self._in_space = [(sole, PlaneMasses.of(biped, sole.side)) for sole in biped.robot.soles]
@@ -224,9 +225,9 @@ class DesignProblem(RecordedProblem):
     def landing(self, x: Dual) -> tuple[FreeParameters, FloatArray, Landing]:
         """Free parameters at x (P,), the pose (4,) that the step lands in [rad], and its impact per unit of dbeta."""
         free = self.unpack(cast("FloatArray", x))
-        q_minus = self._differentiable.double_support_pose(x[BETA_IMPACT], x[STEP_WIDTH])
+        q_minus = self._landing.pose(x[BETA_IMPACT], x[STEP_WIDTH])
         dq_minus = final_falling_slope(free, cast("FloatArray", q_minus))
-        flat = self._differentiable.impact(q_minus, cast("Dual", dq_minus))
+        flat = self._landing.impact(q_minus, cast("Dual", dq_minus))
         rates = (flat[rows] for rows in _LANDING_ROWS)
         landing = Landing(relabel(cast("FloatArray", q_minus)), *(cast("FloatArray", part) for part in rates))
         return free, cast("FloatArray", q_minus), landing
@@ -296,7 +297,7 @@ def _leading(M: int, degree: int) -> FloatArray:
 
 
 _LANDING_ROWS = (slice(0, 4), slice(4, 7), slice(7, 9), slice(9, 11))
-"""Of `DifferentiableBiped.impact`: dq_plus, impulse, lift_off, touchdown."""
+"""Of `DifferentiableLanding.impact`: dq_plus, impulse, lift_off, touchdown."""
 
 
 def above_floor(orbit: PhaseOrbit) -> PhaseOrbit:

@@ -47,6 +47,13 @@ def written(tape: Tape | None, function: Callable[..., Any], *arguments: Any) ->
         tape.add(function, *arguments)
 
 
+def filled(tape: Tape | None, shape: tuple[int, ...], fill: Callable[[FloatArray], None]) -> FloatArray:
+    """The array of a shape that a function fills; filled again if there is a tape."""
+    result = np.empty(shape)
+    written(tape, fill, result)
+    return result
+
+
 def computed(tape: Tape | None, function: Callable[[], FloatArray]) -> FloatArray:
     """What a function returns; asked again, for an array of the same shape, if there is a tape."""
     result = function()

@@ -38,7 +38,8 @@ def double_support_pose(biped: FrontalBiped, beta: FloatArray | float, step_widt
     Raises:
         UnreachablePoseError: the swing foot cannot be there.
     """
-    a, b, c = np.diff(biped.chain.joints, axis=0)  # stance leg, hip line, swing leg at the upright reference (h, v)
+    joints = biped.chain.joints
+    a, b, c = joints[1:] - joints[:-1]  # stance leg, hip line, swing leg at the upright reference (h, v)
     stance_leg = beta - UPRIGHT
     cos, sin = np.cos(stance_leg), np.sin(stance_leg)
     d_h, d_v = step_width - (cos * a[0] - sin * a[1]), -(sin * a[0] + cos * a[1])
@@ -46,7 +47,7 @@ def double_support_pose(biped: FrontalBiped, beta: FloatArray | float, step_widt
     along, across = b @ c, b @ np.array([-c[1], c[0]])
     reach = np.hypot(along, across)
     cosine = (0.5 * (d_h**2 + d_v**2 - b @ b - c @ c)) / reach
-    if not np.all(np.abs(cosine) <= 1.0):
+    if not (np.abs(cosine) <= 1.0).all():
         raise UnreachablePoseError(
             f"both feet cannot stand {float(step_width):.4g} m apart with the stance ankle at {float(beta):.4g} rad;"
             " change step_width or the start pose"
@@ -57,8 +58,7 @@ def double_support_pose(biped: FrontalBiped, beta: FloatArray | float, step_widt
     hip_to_ankle_v = b[1] + np.sin(x) * c[0] + np.cos(x) * c[1]
     # rotation from the unturned hip-to-ankle vector to d
     pelvis = np.arctan2(hip_to_ankle_h * d_v - hip_to_ankle_v * d_h, hip_to_ankle_h * d_h + hip_to_ankle_v * d_v)
-    parts = [beta, UPRIGHT + pelvis - stance_leg, UPRIGHT + x, UPRIGHT - pelvis - x]
-    return np.stack(parts)
+    return np.array([beta, UPRIGHT + pelvis - stance_leg, UPRIGHT + x, UPRIGHT - pelvis - x])
 
 
 @dataclass(frozen=True)

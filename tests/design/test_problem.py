@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from random_states import assert_close
 
-from frontal_biped.design.derivatives import DifferentiableBiped
 from frontal_biped.design.forward_mode import Dual
+from frontal_biped.design.landing import DifferentiableLanding
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.exceptions import UnreachablePoseError
 from frontal_biped.gait import GaitSpecification
@@ -168,7 +168,7 @@ def test_impact_of_the_optimiser_is_the_impact(robot):
     """The differentiated impact repeats the formulas of `impact`; their values must not drift apart."""
     q = double_support_pose(robot, -1.66, 0.27)
     dq = np.array([-0.5, 0.8, -0.3, 0.4])
-    flat = DifferentiableBiped(robot).impact(Dual.of(q, np.eye(4)), Dual.of(dq, np.zeros((4, 4)))).value
+    flat = DifferentiableLanding(robot).impact(Dual.of(q, np.eye(4)), Dual.of(dq, np.zeros((4, 4)))).value
     landing = impact(robot, q, dq)
     touchdown = robot.swing_sole_jacobian(q)[:, 1] @ dq
     expected = np.concatenate([landing.dq_plus, landing.impulse, landing.lift_off, touchdown])
