@@ -43,6 +43,7 @@ class DifferentiableLanding:
         outer, inner = biped.sole
         self._ends = np.array([-biped.chain.sole_inner, biped.chain.sole_outer])  # of the swing sole, when flat
         self._q = np.zeros(SPEEDS)
+        self._matrix, self._right_v = np.zeros((SPEEDS + 3, SPEEDS + 3)), np.zeros((SPEEDS + 3, 4))
         # rows of the landing that are linear in (v+, -L)
         select = np.zeros((9, SPEEDS + 3))
         select[:4, BASE:SPEEDS] = np.eye(4)[::-1]
@@ -89,7 +90,12 @@ class DifferentiableLanding:
         J, M = landing_jacobian(biped, q), biped.floating_mass_matrix(q_minus)
         inverse = pin.computeKKTContactDynamicMatrixInverse(self._weightless, self._data, q, J)
         solved = np.empty((SPEEDS + 3, 9))  # (v+, -L) and their derivatives
-        np.matmul(inverse[:, :SPEEDS], M[:, BASE:], out=solved[:, 5:])
+        # a foot that weighs little costs the inverse two digits, which one step of refinement gives back
+        matrix, right_v, by_v = self._matrix, self._right_v, solved[:, 5:]
+        matrix[:SPEEDS, :SPEEDS], matrix[SPEEDS:, :SPEEDS], matrix[:SPEEDS, SPEEDS:] = M, J, J.T
+        right_v[:SPEEDS] = M[:, BASE:]
+        np.matmul(inverse, right_v, out=by_v)
+        by_v += inverse @ (right_v - matrix @ by_v)
         np.matmul(solved[:, 5:], dq_minus, out=solved[:, 0])
         v_plus, (L_h, L_v, _) = solved[:SPEEDS, 0], -solved[SPEEDS:, 0]
         change = v_plus.copy()
