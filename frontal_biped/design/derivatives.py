@@ -1,90 +1,230 @@
-"""Exact derivatives of the calls into Pinocchio, as rules for `Dual` arrays.
+"""Exact derivatives of the calls into Pinocchio, and of what follows from them at a node, for `Dual` arrays.
 
 Inverse dynamics along a curve needs only first derivatives of RNEA without gravity at (q, q', q''), which is B. They
 tell A = M q', that at (q, 0, q'), and G, what a ground accelerated upwards by g would ask for, and their derivatives
-(`design.side_by_side`). No second derivative of the model appears. Each node is differentiated by its own q, q', q''
-(4 each), and one product per node takes these to the P variables.
+(`design.side_by_side`). No second derivative of the model appears. Each node is differentiated by its own numbers, and
+products with tables of these take the derivatives to the P variables (`design.node_table`).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple, cast
 
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.forward_mode import Dual
+from frontal_biped.design.node_table import NodeTable, told
 from frontal_biped.design.side_by_side import GROUND, side_by_side
-from frontal_biped.design.tape import computed
-from frontal_biped.model.biped import BASE, FrontalBiped
+from frontal_biped.design.tape import Tape, computed, written
+from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.space.plane_masses import PlaneDynamics, PlaneMasses
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion
-from frontal_biped.zero_dynamics.restricted import ProjectedDynamics, RestrictedDynamics
+from frontal_biped.zero_dynamics.orbit import PhaseOrbit
+from frontal_biped.zero_dynamics.restricted import TORQUES, ProjectedDynamics, RestrictedDynamics
 
-WIDTH = BASE + 4
+# rows of a node's table: how the orbit passes it, then the virtual constraints there
+TIME_DENSITY, DDBETA, DBETA_SQUARED, SHARE, DBETA = range(5)
+Q, DQ, DDQ, FRI = slice(5, 9), slice(9, 13), slice(13, 17), slice(17, 19)
+MOTION_ROWS = 19
+_PASSING, _MOVING, _CURVE = slice(0, 5), slice(1, 17), slice(5, 19)
+
+# rows of its second table: the scalar dynamics, then what of it and of the step the orbit passes it by
+RATE, DRIVE, A_H, SOLES = 0, 1, slice(2, 3), slice(3, 5)
+I_P, KAPPA_2, B_P, Z, DELTA, STEP_WIDTH = range(5, 11)
+SCALAR_ROWS = 11
+_SCALARS, _PASSED_BY = slice(0, 8), slice(5, 11)
+
+# rows of what the robot feels there
+_FORCES, _WEIGHTED, _VELOCITIES = slice(0, 7), slice(7, 11), slice(11, 15)
+_EACH = np.arange(4)
+
+
+class Nodes(NamedTuple):
+    """The tables of n nodes, rows as above.
+
+    Attributes:
+        motion: (n, 19, 1 + P).
+        scalars: (n, 11, 1 + P).
+    """
+
+    motion: NodeTable
+    scalars: NodeTable
+
+    @classmethod
+    def empty(cls, n: int, variables: int, tape: Tape | None) -> "Nodes":
+        """Of n nodes and P variables, with nothing in them yet."""
+        return cls(NodeTable(n, MOTION_ROWS, variables, tape), NodeTable(n, SCALAR_ROWS, variables, tape))
+
+    def constrained_motion(self) -> ConstrainedMotion:
+        """The virtual constraints in the table."""
+        q, dq, ddq = (cast("FloatArray", self.motion.by_node(part)) for part in (Q, DQ, DDQ))
+        p_fri, dp_fri = (cast("FloatArray", row) for row in self.motion.rows(FRI))
+        return ConstrainedMotion(q, dq, ddq, p_fri, dp_fri)
+
+
+class Along(NamedTuple):
+    """Inverse dynamics along a curve of n nodes, as last computed, w = A ddbeta + B dbeta^2 + G.
+
+    Attributes:
+        values: (3, 7, n) A, B, G; rows as in `zero_dynamics.restricted`.
+        A_by: (8, 7, n) derivatives of A with respect to q and q'.
+        B_by: (12, 7, n) of B with respect to q, q' and q''.
+        G_by: (4, 7, n) of G with respect to q.
+    """
+
+    values: FloatArray
+    A_by: FloatArray
+    B_by: FloatArray
+    G_by: FloatArray
 
 
 class Projection(NamedTuple):
     """What the model has to say along a curve of n configurations.
 
     Attributes:
-        restricted: the scalar dynamics.
+        restricted: the scalar dynamics; of A, B and G it has A_h, all else that an orbit needs being told.
         soles: (2, n) heights of the swing sole's inner and outer end [m].
+        along: for `DifferentiableBiped.passing`.
     """
 
     restricted: RestrictedDynamics
     soles: FloatArray
+    along: Along
+
+
+class Passing(NamedTuple):
+    """An orbit that knows its speeds and forces, and what of its torques counts.
+
+    Attributes:
+        orbit: the orbit.
+        weighted: (4, n) u sqrt(weight dt/dtau / L_s), whose squares add up to J.
+    """
+
+    orbit: PhaseOrbit
+    weighted: FloatArray
 
 
 class DifferentiableBiped:
-    """Projected dynamics and sole heights of a robot, for `Dual` motions."""
+    """Projected dynamics, sole heights and forces of a robot at the nodes of a curve.
+
+    Args:
+        biped: the robot.
+    """
 
     def __init__(self, biped: FrontalBiped) -> None:
-        self.biped, self._many = biped, side_by_side(biped)
+        self._biped, self._many = biped, side_by_side(biped)
+        self._ends = np.array([[-biped.chain.sole_inner], [biped.chain.sole_outer]])
 
-    def project(self, motion: ConstrainedMotion) -> Projection:
-        """`zero_dynamics.on_constraints` and the sole heights, for a `Dual` motion of n nodes."""
-        tape, nodes = cast("Dual", motion.q).tape, _NodeDynamics()
+    def project(self, nodes: Nodes) -> Projection:
+        """`zero_dynamics.on_constraints` and the sole heights at nodes whose motion is known."""
+        motion, scalars = nodes
+        n, tape = len(motion.block), motion.tape
+        values, A_by, B_by, G_by = along = Along(*(np.empty((rows, 7, n)) for rows in (3, 8, 12, 4)))
+        ground, soles = np.zeros((15, 9, n)), np.zeros((15, 2, n))  # differentiated by the curve
 
-        def block() -> FloatArray:
-            at = nodes.at = _NodeVariables.of(motion)
-            n = len(at.q)
-            moving = self._many.at(at.q, at.dq, at.ddq)  # B
-            from_rest, weight = self._many.from_rest(moving, at.dq), self._many.weight(moving.by_ddq)  # A, G
-            values, local = np.empty((3, WIDTH, n)), np.zeros((3, n, WIDTH, 10))
-            values[0], values[1], values[2] = from_rest.tau.T, moving.tau.T, weight.tau.T
-            local[0, :, :, :4], local[1, :, :, :4], local[2, :, :, :4] = from_rest.by_q, moving.by_q, weight.by_q
-            local[0, :, :, 4:7] = local[1, :, :, 7:] = moving.by_ddq[:, :, 1:]
-            local[1, :, :, 4:7] = moving.by_dq[:, :, 1:]
-            nodes.values, nodes.local = values, local
-            rows, by_node = np.empty((n, 11)), np.zeros((n, 11, 10))
-            rows[:, :9] = values[:, GROUND].reshape(9, n).T
-            by_node[:, :9].reshape(n, 3, BASE, 10)[:] = local[:, :, GROUND].transpose(1, 0, 2, 3)
-            rows[:, 9:], by_node[:, 9:, :4] = self._sole_heights(at.q, moving.J)
-            return at.carried(rows, by_node)
+        def fill() -> None:
+            states = motion.block[:, 5:17, 0].reshape(n, 3, 4).swapaxes(0, 1).copy()
+            moving = self._many.at(states)  # B
+            from_rest, weight = self._many.from_rest(moving, states[1].T), self._many.weight(moving.by[2])  # A, G
+            values[0], values[1], values[2] = from_rest.tau, moving.tau, weight.tau
+            A_by[:4], A_by[4:], B_by[:], G_by[:] = from_rest.by_q, moving.by[2], moving.by.reshape(12, 7, n), weight.by_q
+            np.copyto(ground[0], values[:, GROUND].reshape(9, n))
+            ground[1:9, :3], ground[1:13, 3:6], ground[1:5, 6:] = A_by[:, GROUND], B_by[:, GROUND], G_by[:, GROUND]
+            soles[0], soles[1:5] = self._sole_heights(states[0], moving.J)
 
-        rows = Dual(computed(tape, block), tape)
-        projected = ProjectedDynamics(*(cast("FloatArray", rows[BASE * i : BASE * (i + 1)]) for i in range(3)))
-        restricted = DifferentiatedDynamics(projected, motion.p_fri, motion.dp_fri, nodes)
-        return Projection(restricted, cast("FloatArray", rows[3 * BASE :]))
+        written(tape, fill)
+        A, B, G = (cast("FloatArray", Dual(ground[:, row : row + 3], tape)) for row in (0, 3, 6))
+        p_fri, dp_fri = (cast("FloatArray", row) for row in motion.local(_CURVE)[12:])
+        local = RestrictedDynamics(ProjectedDynamics(A, B, G), p_fri, dp_fri)
+        found = [local.rate[None], local.drive[None], A[:1], cast("FloatArray", Dual(soles, tape))]
+        found += [local.I_P[None], local.kappa_2[None], local.B_P[None]]
+        scalars.take(_SCALARS, cast("Dual", np.concatenate(found)), motion, _CURVE)
+
+        A_h, nothing = (cast("FloatArray", scalars.rows(part)) for part in (A_H, slice(0, 0)))
+        *_, p_fri, dp_fri = nodes.constrained_motion()
+        rows = {"rate": RATE, "drive": DRIVE, "I_P": I_P, "kappa_2": KAPPA_2, "B_P": B_P}
+        restricted = told(
+            RestrictedDynamics(ProjectedDynamics(A_h, nothing, nothing), p_fri, dp_fri),
+            **{name: scalars.row(row) for name, row in rows.items()},
+        )
+        return Projection(restricted, cast("FloatArray", scalars.rows(SOLES)), along)
 
     def _sole_heights(self, q: FloatArray, J: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(n, 2) heights of both ends and (n, 2, 4) derivatives.
+        """(2, n) heights of both ends and (4, 2, n) derivatives.
 
-        Turning a joint moves a point by a quarter turn of its lever: the columns of J (n, 2, 4), the velocity of the
-        world's origin as if it belonged to the foot, are the vertical and minus the horizontal place of each joint.
+        Turning a joint moves a point by a quarter turn of its lever: J (4, 2, n), the velocity of the world's origin as
+        if it belonged to the foot, is the vertical and minus the horizontal place of each joint.
         """
-        rotation = self.biped.swing_foot_rotation(q)[:, None]
-        h_a = self.biped.ankle_height
-        ends = np.array([-self.biped.chain.sole_inner, self.biped.chain.sole_outer])
+        rotation, ends, h_a = self._biped.swing_foot_rotation(q), self._ends, self._biped.ankle_height
         cos, sin = np.cos(rotation), np.sin(rotation)
-        ankle_h, ankle_v = -J[:, 1, -1:], J[:, 0, -1:]
-        horizontal = ankle_h + cos * ends + sin * h_a
-        return ankle_v + sin * ends - cos * h_a, horizontal[:, :, None] + J[:, None, 1]
+        horizontal = cos * ends + (sin * h_a - J[-1, 1])
+        return sin * ends + (J[-1, 0] - cos * h_a), horizontal + J[:, None, 1]
+
+    def passing(self, nodes: Nodes, orbit: PhaseOrbit, step_width: Dual, sign: FloatArray, along: Along) -> Passing:
+        """The orbit, where it is known at what speed and under which forces it passes its nodes.
+
+        Args:
+            nodes: their motion, I_P, kappa_2, B_P, z and Delta.
+            orbit: through them.
+            step_width: L_s [m].
+            sign: (n,) of dbeta.
+            along: what `project` has found there.
+        """
+        motion, scalars = nodes
+        scalars.put(STEP_WIDTH, step_width)
+        inertia, moment, bent, z, Delta, width = (
+            cast("FloatArray", row) for row in scalars.local(_PASSED_BY)
+        )
+        restricted = told(replace(orbit.restricted), I_P=inertia, kappa_2=moment, B_P=bent)
+        local = replace(orbit, tau=sign * orbit.tau, Delta=cast("float", Delta), restricted=restricted, z=z)
+        squared = local.dbeta**2
+        share = np.sqrt(local.time_density / width) * np.sqrt(orbit.weights)
+        found = [local.time_density, restricted.acceleration(squared), squared, share, local.dbeta]
+        motion.take(_PASSING, cast("Dual", np.stack(found)), scalars, _PASSED_BY)
+
+        felt = NodeTable(len(motion.block), 15, motion.block.shape[2] - 1, motion.tape)
+        by_node = np.zeros((len(motion.block), 15, 17))
+        written(motion.tape, _feel, by_node, motion.block[:, :, 0], along)
+        felt.carry(slice(0, 15), by_node, motion, _MOVING)
+        known = {"dbeta": DBETA, "ddbeta": DDBETA, "time_density": TIME_DENSITY}
+        walked = told(
+            replace(orbit, z=cast("FloatArray", scalars.row(Z))),
+            generalized_forces=felt.rows(_FORCES),
+            velocities=felt.by_node(_VELOCITIES),
+            **{name: motion.row(row) for name, row in known.items()},
+        )
+        return Passing(walked, cast("FloatArray", felt.rows(_WEIGHTED)))
+
+
+def _feel(by_node: FloatArray, motion: FloatArray, along: Along) -> None:
+    """Forces, weighted torques and velocities.
+
+    Args:
+        by_node: (n, 15, 17) filled with their values and derivatives with respect to the rows `_MOVING`.
+        motion: (n, 19) values of the table.
+        along: the inverse dynamics.
+    """
+    (A, B, G), (ddbeta, squared, share, dbeta) = along.values, motion[:, DDBETA : DBETA + 1].T.copy()
+    forces, weighted, velocities = by_node[:, _FORCES], by_node[:, _WEIGHTED], by_node[:, _VELOCITIES]
+    by = along.B_by * squared
+    by[:8] += along.A_by * ddbeta
+    by[:4] += along.G_by
+    forces[:, :, 0], forces[:, :, 1], forces[:, :, 2] = (A * ddbeta + B * squared + G).T, A.T, B.T
+    forces[:, :, 5:] = by.transpose(2, 1, 0)
+    torques = forces[:, TORQUES]
+    np.multiply(torques, share[:, None, None], out=weighted)
+    weighted[:, :, 3] = torques[:, :, 0]
+    dq = motion[:, DQ]
+    np.multiply(dq, dbeta[:, None], out=velocities[:, :, 0])
+    velocities[:, :, 4] = dq
+    velocities[:, _EACH, 9 + _EACH] = dbeta[:, None]
 
 
 @dataclass(frozen=True)
 class _NodeVariables:
-    """What each of n nodes is differentiated by: q, q', q'', the last two without the stance ankle's, which are fixed.
+    """What each of n nodes of a motion in space is differentiated by: q, q', q''.
+
+    Of q' and q'' without the stance ankle's, which are fixed.
 
     Attributes:
         q: (n, 4) [rad].
@@ -105,61 +245,19 @@ class _NodeVariables:
         inner = np.concatenate([q[1:], dq[1:, :, 1:], ddq[1:, :, 1:]], axis=2).transpose(1, 2, 0)
         return cls(q[0], dq[0], ddq[0], np.ascontiguousarray(inner))
 
-    def carried(self, values: FloatArray, local: FloatArray, *further: FloatArray) -> FloatArray:
+    def carried(self, values: FloatArray, local: FloatArray) -> FloatArray:
         """From each node's own variables to all P.
 
         Args:
             values: (n, rows) at the nodes.
-            local: (n, rows, 10 + f) their derivatives, columns as in ``inner``, then those of ``further``.
-            further: f more variables of a node, the derivatives (P, n) of each.
+            local: (n, rows, 10) their derivatives, columns as in ``inner``.
 
         Returns:
             (1 + P, rows, n), the block of a `Dual`.
         """
-        inner = self.inner
-        if further:
-            inner = np.concatenate([inner, np.stack(further).transpose(2, 0, 1)], axis=1)
-        block = np.empty((1 + inner.shape[2], values.shape[1], len(values)))
-        block[0], block[1:] = values.T, (local @ inner).transpose(2, 1, 0)
+        block = np.empty((1 + self.inner.shape[2], values.shape[1], len(values)))
+        block[0], block[1:] = values.T, (local @ self.inner).transpose(2, 1, 0)
         return block
-
-
-class _NodeDynamics:
-    """A, B and G of w = A ddbeta + B dbeta^2 + G at n nodes, as last computed.
-
-    Attributes:
-        at: what the nodes are differentiated by.
-        values: (3, 7, n) A, B, G; rows as in `zero_dynamics.restricted`.
-        local: (3, n, 7, 10) their derivatives.
-    """
-
-    at: _NodeVariables
-    values: FloatArray
-    local: FloatArray
-
-    def forces(self, acceleration: Dual, squared: Dual) -> FloatArray:
-        """(1 + P, 7, n) of w, each node differentiated by ddbeta and dbeta^2 as well before it is carried to all P."""
-        (A, B, G), (A_by, B_by, G_by) = self.values, self.local
-        a, b = acceleration.value, squared.value
-        local = np.empty((len(a), WIDTH, 12))
-        np.multiply(A_by, a[:, None, None], out=local[:, :, :10])
-        local[:, :, :10] += B_by * b[:, None, None]
-        local[:, :, :10] += G_by
-        local[:, :, 10], local[:, :, 11] = A.T, B.T
-        return self.at.carried((A * a + B * b + G).T, local, acceleration.derivative, squared.derivative)
-
-
-@dataclass(frozen=True)
-class DifferentiatedDynamics(RestrictedDynamics):
-    """The scalar dynamics of a `Dual` motion; of A, B and G it has the rows of the ground, all that the orbit needs."""
-
-    nodes: _NodeDynamics
-
-    def forces(self, dbeta_squared: FloatArray) -> FloatArray:
-        """As `RestrictedDynamics`."""
-        squared, acceleration = cast("Dual", dbeta_squared), cast("Dual", self.acceleration(dbeta_squared))
-        block = computed(squared.tape, lambda: self.nodes.forces(acceleration, squared))
-        return cast("FloatArray", Dual(block, squared.tape))
 
 
 def plane_dynamics(masses: PlaneMasses, motions: list[ConstrainedMotion]) -> list[PlaneDynamics]:

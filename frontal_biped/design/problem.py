@@ -5,7 +5,6 @@ the one equality left is periodicity, Z(beta_r-) = 0, with beta_r- a decision va
 quadrature nodes from the reversal with exact derivatives.
 """
 
-from dataclasses import replace
 from functools import lru_cache
 from typing import ClassVar, NamedTuple, cast
 
@@ -13,13 +12,13 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.both_phases import BothPhases
-from frontal_biped.design.derivatives import DifferentiableBiped, plane_dynamics
+from frontal_biped.design.derivatives import DifferentiableBiped, Nodes, Z, plane_dynamics
 from frontal_biped.design.ends import Periodic, StepEnds
 from frontal_biped.design.evaluation import EQUALITY, Quantities, RecordedProblem
 from frontal_biped.design.forward_mode import Dual
 from frontal_biped.design.landing import DifferentiableLanding
 from frontal_biped.design.local_model import largest_violation
-from frontal_biped.design.tape import computed
+from frontal_biped.design.tape import written
 from frontal_biped.design.variables import BETA_IMPACT, STEP_WIDTH, VariableLayout
 from frontal_biped.gait.constraints import Constraint, SoleHeights, step_constraints
 from frontal_biped.gait.gait import Gait
@@ -43,7 +42,6 @@ from frontal_biped.virtual_constraints.invariance import (
 from frontal_biped.virtual_constraints.phase import Phase
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit
 from frontal_biped.zero_dynamics.poincare import StepOrbit, step_orbit
-from frontal_biped.zero_dynamics.restricted import TORQUES
 
 FLOOR_Z = 1e-2
 """Below this zeta/tau^2 [kg^2 m^4/s^2] the square root is continued smoothly, so that an iterate without an orbit
@@ -238,26 +236,20 @@ class DesignProblem(RecordedProblem):
         """The step that begins with one landing and ends with another, as `landing` has it."""
         rising = rising_parameters(free, *begin)
         falling = falling_parameters(free, q_minus, rising)
-        Delta, motion = self._both.motion(rising, falling)
-        projection = self._differentiable.project(motion)
-        orbit = self._both.orbit(Delta, motion, projection.restricted)
-        lifted = above_floor(orbit)
-        width = free.step_width
-        step = StepOrbit(*self._both.apart(Delta, orbit), landing, width)
+        Delta, nodes = self._both.motion(rising, falling)
+        projection = self._differentiable.project(nodes)
+        orbit = self._both.orbit(nodes, projection.restricted)
+        put_above_floor(orbit, nodes)
+        width = cast("Dual", free.step_width)
+        lifted, torques = self._differentiable.passing(nodes, orbit, width, self._both.sign, projection.along)
         return EvaluatedStep(
-            step,
-            step if lifted is orbit else StepOrbit(*self._both.apart(Delta, lifted), landing, width),
+            StepOrbit(*self._both.apart(Delta, orbit), landing, free.step_width),
+            StepOrbit(*self._both.apart(Delta, lifted), landing, free.step_width),
             SoleHeights(*(projection.soles[:, nodes] for nodes in self._both.slices)),
             self.surplus(rising, falling),
-            self._weighted_torques(lifted, width),
+            cast("Dual", np.concatenate([torques[:, nodes].reshape(-1) for nodes in self._both.slices])),
             self._holding(lifted),
         )
-
-    def _weighted_torques(self, lifted: PhaseOrbit, step_width: float) -> Dual:
-        """(8 n,) u sqrt(weight dt/dtau / L_s) at the nodes, those of the rising phase first."""
-        density = np.sqrt(lifted.time_density / step_width) * np.sqrt(lifted.weights)
-        weighted = lifted.generalized_forces[TORQUES] * density
-        return cast("Dual", np.concatenate([weighted[:, nodes].reshape(-1) for nodes in self._both.slices]))
 
 
 class EvaluatedStep(NamedTuple):
@@ -265,7 +257,7 @@ class EvaluatedStep(NamedTuple):
 
     Attributes:
         step: the step.
-        lifted: the step with z > 0 everywhere, see `above_floor`.
+        lifted: the step with z > 0 everywhere, see `put_above_floor`.
         soles: heights of its swing sole.
         surplus: the leading coefficients that must vanish.
         torques: (8 n,) whose squares add up to J, of the lifted step.
@@ -300,15 +292,16 @@ _LANDING_ROWS = (slice(0, 4), slice(4, 7), slice(7, 9), slice(9, 11))
 """Of `DifferentiableLanding.impact`: dq_plus, impulse, lift_off, touchdown."""
 
 
-def above_floor(orbit: PhaseOrbit) -> PhaseOrbit:
-    """The orbit with z > 0 everywhere: below FLOOR_Z a hyperbola that continues it with equal slope."""
-    z = cast("Dual", orbit.z)
+def put_above_floor(orbit: PhaseOrbit, nodes: Nodes) -> None:
+    """Let the nodes have z > 0 everywhere: below FLOOR_Z a hyperbola that continues it with equal slope."""
+    z, table = cast("Dual", orbit.z), nodes.scalars.block[:, Z]
 
-    def block() -> FloatArray:
+    def fill() -> None:
         low = z.value < FLOOR_Z
-        share = FLOOR_Z / (2.0 * FLOOR_Z - np.minimum(z.value, FLOOR_Z))
-        lifted: FloatArray = z.block * np.where(low, share**2, 1.0)
-        lifted[0] = np.where(low, FLOOR_Z * share, z.value)
-        return lifted
+        np.copyto(table, z.block.T)
+        if low.any():
+            share = FLOOR_Z / (2.0 * FLOOR_Z - z.value[low])
+            table[low] *= share[:, None] ** 2
+            table[low, 0] = FLOOR_Z * share
 
-    return replace(orbit, z=cast("FloatArray", Dual(computed(z.tape, block), z.tape)))
+    written(z.tape, fill)

@@ -25,6 +25,8 @@ JOINTS = slice(3, 7)  # rows u_1..u_4
 _H, _V, _MOMENT = range(3)
 _FORCE, _TURN = slice(0, 2), 5  # of a spatial force: h and v, and the moment out of the plane
 
+_EACH = np.arange(4)
+
 LATER = np.maximum.outer(np.arange(4), np.arange(4))
 """(4, 4) the later of two joints: turning both, only its lever counts, for the earlier one turns all as a whole."""
 
@@ -33,17 +35,13 @@ class InverseDynamics(NamedTuple):
     """Without gravity, at n states; rows F_h, F_v, N_0, u_1..u_4.
 
     Attributes:
-        tau: (n, 7).
-        by_q: (n, 7, 4) derivative with respect to q.
-        by_dq: (n, 7, 4) to dq.
-        by_ddq: (n, 7, 4) to ddq.
-        J: (n, 2, 4) velocity (h, v) of a point at the origin that moves with the swing foot.
+        tau: (7, n).
+        by: (3, 4, 7, n) derivatives with respect to q, dq and ddq of each joint.
+        J: (4, 2, n) of each joint, the velocity (h, v) of a point at the origin that moves with the swing foot.
     """
 
     tau: FloatArray
-    by_q: FloatArray
-    by_dq: FloatArray
-    by_ddq: FloatArray
+    by: FloatArray
     J: FloatArray
 
 
@@ -51,8 +49,8 @@ class AtRest(NamedTuple):
     """Inverse dynamics of a robot that does not move yet, at n states, rows as in `InverseDynamics`.
 
     Attributes:
-        tau: (n, 7).
-        by_q: (n, 7, 4) derivative with respect to q.
+        tau: (7, n).
+        by_q: (4, 7, n) derivative with respect to q of each joint.
     """
 
     tau: FloatArray
@@ -88,47 +86,47 @@ class SideBySide:
         self._weight, self._moment_of_foot = resting[_V], resting[_MOMENT] - resting[3]
         # views of the results: reading them afresh costs as much as a call
         data = self._data
-        self._torques = data.tau.reshape(COPIES, 4)
+        self._torques = data.tau.reshape(COPIES, 4).T
         self._of_joints = [_own_blocks(matrix) for matrix in (data.dtau_dq, data.dtau_dv, data.M)]
         self._of_ground = [_columns(matrix) for matrix in (data.dFdq, data.dFdv, data.dFda)]
         self._J = _columns(data.J)
 
-    def at(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> InverseDynamics:
-        """Inverse dynamics at n states, q, dq and ddq (n, 4)."""
-        n, groups = len(q), -(-len(q) // COPIES)
-        states = np.zeros((3, groups * COPIES, 4))
-        states[:, :n] = q, dq, ddq
-        torques, derivatives, J = (np.empty((groups, COPIES, *shape)) for shape in ((7,), (3, 7, 4), (2, 4)))
-        for group, state in enumerate(states.reshape(3, groups, -1).transpose(1, 0, 2)):
+    def at(self, states: FloatArray) -> InverseDynamics:
+        """Inverse dynamics at n states, q, dq and ddq (3, n, 4)."""
+        n, groups = states.shape[1], -(-states.shape[1] // COPIES)
+        if n < groups * COPIES:
+            states = np.concatenate([states, np.zeros((3, groups * COPIES - n, 4))], axis=1)
+        tau, J = np.empty((7, groups, COPIES)), np.empty((4, 2, groups, COPIES))
+        by = np.empty((3, 4, 7, groups, COPIES))
+        for group, state in enumerate(states.reshape(3, groups, -1).swapaxes(0, 1)):
             pin.computeRNEADerivatives(self._model, self._data, *state)
-            torques[group, :, JOINTS], J[group] = self._torques, self._J[:, :2]
-            for part in range(3):
-                derivatives[group, :, part, JOINTS] = self._of_joints[part]
-                derivatives[group, :, part, _FORCE] = self._of_ground[part][:, _FORCE]
-                derivatives[group, :, part, _MOMENT] = self._of_ground[part][:, _TURN]
-        by_q, by_dq, by_ddq = derivatives.reshape(-1, 3, 7, 4)[:n].transpose(1, 0, 2, 3)
-        tau = torques.reshape(-1, 7)[:n]
-        push = by_ddq[:, GROUND] @ ddq[:, :, None] + 0.5 * by_dq[:, GROUND] @ dq[:, :, None]
-        tau[:, GROUND] = push[:, :, 0]
-        return InverseDynamics(tau, by_q, by_dq, by_ddq, J.reshape(-1, 2, 4)[:n])
+            tau[JOINTS, group], J[:, :, group] = self._torques, self._J[:, :2]
+            for of_part, joints, ground in zip(by[:, :, :, group], self._of_joints, self._of_ground, strict=True):
+                of_part[:, JOINTS] = joints
+                of_part[:, _FORCE] = ground[:, _FORCE]
+                of_part[:, _MOMENT] = ground[:, _TURN]
+        tau, by, J = (part.reshape(*part.shape[:-2], -1)[..., :n] for part in (tau, by, J))
+        _, dq, ddq = states[:, :n].swapaxes(1, 2)[:, :, None]
+        np.add.reduce(by[2, :, GROUND] * ddq + by[1, :, GROUND] * (0.5 * dq), axis=0, out=tau[GROUND])
+        return InverseDynamics(tau, by, J)
 
     def weight(self, by_ddq: FloatArray) -> AtRest:
-        """The weight alone at the states that ``by_ddq`` (n, 7, 4) of `InverseDynamics` belongs to.
+        """The weight alone at the states that ``by_ddq`` (4, 7, n) of `InverseDynamics` belongs to.
 
         Turning joint j moves the centre of mass of what it carries by a quarter turn of its lever: the moment about the
         ground point changes by the horizontal way times the weight, the torque about joint i by that of the later of i
         and j.
         """
-        n = len(by_ddq)
-        tau, by_q = np.zeros((n, 7)), np.zeros((n, 7, 4))
         ways = GRAVITY * by_ddq[:, _H]
-        tau[:, JOINTS] = GRAVITY * by_ddq[:, _V]
-        tau[:, _V], tau[:, _MOMENT] = self._weight, tau[:, 3] + self._moment_of_foot
-        by_q[:, _MOMENT], by_q[:, JOINTS] = ways, ways[:, LATER]
+        tau, by_q = np.zeros(by_ddq.shape[1:]), np.zeros(by_ddq.shape)
+        np.multiply(GRAVITY, by_ddq[:, _V], out=tau[JOINTS])
+        tau[_V] = self._weight
+        np.add(tau[3], self._moment_of_foot, out=tau[_MOMENT])
+        by_q[:, _MOMENT], by_q[:, JOINTS] = ways, ways[LATER]
         return AtRest(tau, by_q)
 
     def from_rest(self, motion: InverseDynamics, dq: FloatArray) -> AtRest:
-        """M dq: what the robot wants that is accelerated by a motion's own velocities dq (n, 4) from rest.
+        """M dq: what the robot wants that is accelerated by a motion's own velocities dq (4, n) from rest.
 
         In the plane, as complex numbers h + i v, turning joint k moves the place c of a mass m that it carries by
         i (c - p_k), and its velocity c' by i (c - p_k)'. Moments about joint i, not after k, and their derivatives are
@@ -140,13 +138,14 @@ class SideBySide:
         M being symmetric, it is the later joint's for i after k too. Where i is k, the derivative here is but
         -Re conj(sum m (c - p_k)) p_k', which tells the sum. The force, sum m c', has half exactly.
         """
-        tau = (motion.by_ddq @ dq[:, :, None])[:, :, 0]
-        by_q = 0.5 * motion.by_dq
-        velocity = np.cumsum(motion.J * dq[:, None], axis=2) - motion.J * np.cumsum(dq, axis=1)[:, None]  # of joints
-        about_itself = motion.by_ddq[:, _H] * velocity[:, 1] - motion.by_ddq[:, _V] * velocity[:, 0]
-        excess = np.diagonal(by_q[:, JOINTS], axis1=1, axis2=2) - about_itself
+        _, by_dq, by_ddq = motion.by
+        tau = np.add.reduce(by_ddq * dq[:, None], axis=0)
+        by_q = 0.5 * by_dq
+        velocity = np.cumsum(motion.J * dq[:, None], axis=0) - motion.J * np.cumsum(dq, axis=0)[:, None]  # of joints
+        about_itself = by_ddq[:, _H] * velocity[:, 1] - by_ddq[:, _V] * velocity[:, 0]
+        excess = by_q[_EACH, 3 + _EACH] - about_itself
         by_q[:, _MOMENT] -= excess
-        by_q[:, JOINTS] -= excess[:, LATER]
+        by_q[:, JOINTS] -= excess[LATER]
         return AtRest(tau, by_q)
 
 
@@ -154,10 +153,10 @@ _MADE: WeakKeyDictionary[FrontalBiped, SideBySide] = WeakKeyDictionary()
 
 
 def _own_blocks(matrix: FloatArray) -> FloatArray:
-    """(copies, 4, 4) what belongs to one copy alone."""
-    return np.einsum("iaib->iab", matrix.reshape(COPIES, 4, COPIES, 4))
+    """(4, 4, copies) what belongs to one copy alone: to each of its joints, the rows."""
+    return np.einsum("iaib->bai", matrix.reshape(COPIES, 4, COPIES, 4))
 
 
 def _columns(matrix: FloatArray) -> FloatArray:
-    """(copies, 6, 4) columns of the copies' joints."""
-    return matrix.reshape(6, COPIES, 4).transpose(1, 0, 2)
+    """(4, 6, copies) columns of the copies' joints."""
+    return matrix.reshape(6, COPIES, 4).transpose(2, 0, 1)

@@ -311,13 +311,12 @@ def _joint_limits(
         rotation = biped.swing_foot_rotation(q)
         found.append(_bound(key, f"swing foot, {phase}", "rad", rotation, -limit, limit, ROTATION, key))
     limits = np.stack([biped.joint_lower, biped.joint_upper, biped.joint_max_velocity], axis=1).tolist()
-    velocities = orbit.motion.dq * orbit.dbeta[:, None]
     for i, bounds in enumerate(limits):
         lower, upper, fastest = (bound if math.isfinite(bound) else None for bound in bounds)
         if lower is not None or upper is not None:
             found.append(_bound("joint limits", f"{JOINTS[i]} angle, {phase}", "rad", q[:, i], lower, upper, POSITION))
         if fastest is not None:
-            name, velocity = f"{JOINTS[i]} speed, {phase}", velocities[:, i]
+            name, velocity = f"{JOINTS[i]} speed, {phase}", orbit.velocities[:, i]
             found.append(_bound("joint limits", name, "rad/s", velocity, -fastest, fastest, VELOCITY))
     return found
 

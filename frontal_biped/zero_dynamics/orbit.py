@@ -75,6 +75,11 @@ class PhaseOrbit:
         return self.restricted.acceleration(self.dbeta**2)
 
     @cached_property
+    def velocities(self) -> FloatArray:
+        """(n, 4) joint velocities on the orbit [rad/s]."""
+        return self.motion.dq * self.dbeta[:, None]
+
+    @cached_property
     def generalized_forces(self) -> FloatArray:
         """(7, n) rows F_h, F_v [N], N_0, u_1..u_4 [N m] on the orbit."""
         return self.restricted.forces(self.dbeta**2)

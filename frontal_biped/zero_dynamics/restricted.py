@@ -91,25 +91,29 @@ class RestrictedDynamics:
         """(n,) moment of the weight about the FRI [N m]."""
         return -(self.projected.G[N_0] - self.p_fri * self.projected.G[F_V])
 
+    @cached_property
+    def B_P(self) -> FloatArray:
+        """(n,) moment about the FRI that the motion wants at constant speed, per unit of dbeta^2 [kg m^2]."""
+        return self.projected.B[N_0] - self.p_fri * self.projected.B[F_V]
+
     @property
     def kappa_3(self) -> FloatArray:
         """(n,) [1/(kg m^2)]."""
         return -self.dp_fri * self.projected.A[F_V] / self.I_P**2
 
-    @property
+    @cached_property
     def drive(self) -> FloatArray:
         """(n,) kappa_2 / kappa_1, the right-hand side of the equation in zeta."""
         return self.kappa_2 * self.I_P
 
-    @property
+    @cached_property
     def rate(self) -> FloatArray:
         """(n,) 2 kappa_3 / kappa_1, its linear coefficient [1/rad]."""
         return -2.0 * self.dp_fri * self.projected.A[F_V] / self.I_P
 
     def acceleration(self, dbeta_squared: FloatArray) -> FloatArray:
         """(n,) ddbeta [rad/s^2] at the given dbeta^2 (n,) [rad^2/s^2], from N_0 = p_FRI F_v."""
-        B = self.projected.B
-        return (self.kappa_2 - (B[N_0] - self.p_fri * B[F_V]) * dbeta_squared) / self.I_P
+        return (self.kappa_2 - self.B_P * dbeta_squared) / self.I_P
 
     def forces(self, dbeta_squared: FloatArray) -> FloatArray:
         """(7, n) rows F_h, F_v [N], N_0, u_1..u_4 [N m] at the given dbeta^2 (n,) [rad^2/s^2]."""

@@ -18,58 +18,55 @@ GRADIENT_TOLERANCE = 1e-6
 
 def states(n, seed=0):
     rng = np.random.default_rng(seed)
-    return rng.normal(size=(n, 4)) - 0.5 * np.pi, rng.normal(size=(n, 4)), rng.normal(size=(n, 4))
+    return np.array([rng.normal(size=(n, 4)) - 0.5 * np.pi, rng.normal(size=(n, 4)), rng.normal(size=(n, 4))])
 
 
 @pytest.mark.parametrize("n", [1, COPIES - 1, COPIES, 2 * COPIES + 3])
 def test_motion_and_weight_are_inverse_dynamics(robot, n):
-    q, dq, ddq = states(n)
-    found = side_by_side(robot).at(q, dq, ddq)
-    weight = side_by_side(robot).weight(found.by_ddq)
-    expected = np.array([robot.inverse_dynamics(*at) for at in zip(q, dq, ddq, strict=True)])
-    assert_close(found.tau + weight.tau, expected, SAME)
+    at = states(n)
+    found = side_by_side(robot).at(at)
+    weight = side_by_side(robot).weight(found.by[2])
+    expected = np.array([robot.inverse_dynamics(*one) for one in zip(*at, strict=True)])
+    assert_close((found.tau + weight.tau).T, expected, SAME)
 
 
 def test_weight_alone_is_inverse_dynamics_at_rest(robot):
-    q, dq, ddq = states(COPIES + 1, seed=1)
-    weight = side_by_side(robot).weight(side_by_side(robot).at(q, dq, ddq).by_ddq)
-    assert_close(weight.tau, np.array([robot.inverse_dynamics(at, *np.zeros((2, 4))) for at in q]), SAME)
+    at = states(COPIES + 1, seed=1)
+    weight = side_by_side(robot).weight(side_by_side(robot).at(at).by[2])
+    assert_close(weight.tau.T, np.array([robot.inverse_dynamics(q, *np.zeros((2, 4))) for q in at[0]]), SAME)
 
 
 @pytest.mark.parametrize("n", [1, COPIES + 1])
 def test_set_in_motion_from_rest_is_inverse_dynamics_without_velocity(robot, n):
     """And its derivatives are those of the states at rest themselves."""
-    q, dq, ddq = states(n, seed=4)
+    q, dq, ddq = at = states(n, seed=4)
     many = side_by_side(robot)
-    found = many.from_rest(many.at(q, dq, ddq), dq)
-    expected = many.at(q, np.zeros_like(dq), dq)
-    assert_close(found.tau, expected.tau, SAME)
-    assert_close(found.by_q, expected.by_q, SAME, floor=1.0)
+    found = many.from_rest(many.at(at), dq.T)
+    expected = many.at(np.array([q, np.zeros_like(dq), dq]))
+    assert_close(found.tau.T, expected.tau.T, SAME)
+    assert_close(found.by_q.T, expected.by[0].T, SAME, floor=1.0)
 
 
 def test_derivatives_against_differences(robot):
-    q, dq, ddq = states(3, seed=2)
+    at = states(3, seed=2)
     many = side_by_side(robot)
-    found = many.at(q, dq, ddq)
-    for part, exact in enumerate((found.by_q, found.by_dq, found.by_ddq)):
+    found = many.at(at)
+    for part, exact in enumerate(found.by):
         for joint in range(4):
-            shift = np.zeros((3, 4))
-            shift[:, joint] = STEP
-            moved = [np.array([q, dq, ddq]) for _ in range(2)]
-            moved[0][part] += shift
-            moved[1][part] -= shift
-            above, below = (many.at(*at).tau for at in moved)
-            assert_close((above - below) / (2.0 * STEP), exact[:, :, joint], GRADIENT_TOLERANCE, floor=1.0)
-    weight = many.weight(found.by_ddq)
+            shift = np.zeros((3, 3, 4))
+            shift[part, :, joint] = STEP
+            above, below = many.at(at + shift).tau, many.at(at - shift).tau
+            assert_close(((above - below) / (2.0 * STEP)).T, exact[joint].T, GRADIENT_TOLERANCE, floor=1.0)
+    weight = many.weight(found.by[2])
     for joint in range(4):
-        above, below = (
-            many.weight(many.at(q + sign * STEP * np.eye(4)[joint], dq, ddq).by_ddq).tau for sign in (1.0, -1.0)
-        )
-        assert_close((above - below) / (2.0 * STEP), weight.by_q[:, :, joint], GRADIENT_TOLERANCE, floor=1.0)
+        shift = np.zeros((3, 3, 4))
+        shift[0, :, joint] = STEP
+        above, below = (many.weight(many.at(moved).by[2]).tau for moved in (at + shift, at - shift))
+        assert_close(((above - below) / (2.0 * STEP)).T, weight.by_q[joint].T, GRADIENT_TOLERANCE, floor=1.0)
 
 
 def test_the_swing_ankle_is_where_the_robot_has_it(robot):
-    q, dq, ddq = states(COPIES + 2, seed=3)
-    J = side_by_side(robot).at(q, dq, ddq).J
-    for at, own in zip(q, J, strict=True):
-        assert_close(np.stack([-own[1], own[0]], axis=1), robot.joint_positions(at), SAME, floor=1.0)
+    at = states(COPIES + 2, seed=3)
+    J = side_by_side(robot).at(at).J
+    for q, own in zip(at[0], J.T, strict=True):
+        assert_close(np.stack([-own[1], own[0]], axis=1), robot.joint_positions(q), SAME, floor=1.0)
