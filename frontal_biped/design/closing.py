@@ -22,6 +22,9 @@ CLOSED = 1e-14
 STALLED = 0.5
 """Share of the defect that a step must not leave: what is left is rounding."""
 
+AT_BOUND = 1e-9
+"""Scaled distance at which a variable is on its bound: an optimiser leaves it there but for rounding."""
+
 MOVED = 1e-5
 """Scaled way of the variables up to which the quadrature is as good as it was."""
 
@@ -96,9 +99,12 @@ def meet_equalities(problem: BoundedProblem, x: FloatArray, nodes: int) -> Float
     """The point next to x (P,) where the equalities hold on so many quadrature nodes a phase, but for rounding.
 
     By Newton steps of least length with the slopes at x on the optimiser's own nodes: they are as good as those on
-    finer ones, and next to the answer as those at any other point.
+    finer ones, and next to the answer as those at any other point. A variable that is on its bound but for rounding is
+    put there.
     """
     low, high = problem.bounds()
+    near = AT_BOUND * problem.scale()
+    x = np.where(x - low < near, low, np.where(high - x < near, high, x))
     slopes, left = None, np.inf
     for _ in range(CHORD_STEPS):
         defect = problem.equality(x, nodes)
