@@ -125,7 +125,7 @@ class DifferentiableBiped:
         def fill() -> None:
             states = motion.block[:, 5:17, 0].reshape(n, 3, 4).swapaxes(0, 1).copy()
             moving = self._many.at(states)  # B
-            from_rest, weight = self._many.from_rest(moving, states[1].T), self._many.weight(moving.by[2])  # A, G
+            from_rest, weight = self._many.from_rest(moving, states[1].T.copy()), self._many.weight(moving.by[2])  # A, G
             values[0], values[1], values[2] = from_rest.tau, moving.tau, weight.tau
             A_by[:4], A_by[4:], B_by[:], G_by[:] = from_rest.by_q, moving.by[2], moving.by.reshape(12, 7, n), weight.by_q
             np.copyto(ground[0], values[:, GROUND].reshape(9, n))

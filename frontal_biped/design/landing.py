@@ -6,6 +6,8 @@ all that it takes from the model: turning joint j moves the lever of joint i <= 
 turn of J_j, and by symmetry of second derivatives the later of the two joints counts.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 import pinocchio as pin
 
@@ -28,6 +30,18 @@ _LATER = np.maximum.outer(np.arange(2, SPEEDS), np.arange(BASE, SPEEDS))
 _NO_SPEED = np.zeros(SPEEDS)
 
 
+class FinalPose(NamedTuple):
+    """A pose with both feet flat.
+
+    Attributes:
+        q: (4,) [rad].
+        J: (3, 7) Jacobian of the swing ankle there: h, v, rotation.
+    """
+
+    q: Dual
+    J: FloatArray
+
+
 class DifferentiableLanding:
     """Final pose and impact of a robot; like the robot, not thread-safe.
 
@@ -41,7 +55,7 @@ class DifferentiableLanding:
         self._weightless.gravity.linear = np.zeros(3)
         self._data = self._weightless.createData()
         outer, inner = biped.sole
-        self._ends = np.array([-biped.chain.sole_inner, biped.chain.sole_outer])  # of the swing sole, when flat
+        self._ends = np.array([[-biped.chain.sole_inner], [biped.chain.sole_outer]])  # of the swing sole, when flat
         self._q = np.zeros(SPEEDS)
         self._matrix, self._right_v = np.zeros((SPEEDS + 3, SPEEDS + 3)), np.zeros((SPEEDS + 3, 4))
         # rows of the landing that are linear in (v+, -L)
@@ -53,41 +67,48 @@ class DifferentiableLanding:
         select[7:, 2] = inner, outer
         self._rows = select
 
-    def pose(self, beta: Dual, step_width: Dual) -> Dual:
-        """(4,) `virtual_constraints.double_support_pose`: the swing ankle stays at (step width, h_a), its foot flat."""
+    def pose(self, beta: Dual, step_width: Dual) -> FinalPose:
+        """`virtual_constraints.double_support_pose`: the swing ankle stays at (step width, h_a), its foot flat."""
+        J = np.empty((3, SPEEDS))
 
         def fill(block: FloatArray) -> None:
             pose = double_support_pose(self._biped, beta.value.item(), step_width.value.item())
             self._q[BASE:] = block[0] = pose
+            J[:] = landing_jacobian(self._biped, self._q)
             # where the stance ankle and the hips take the swing ankle; its own joint turns the foot back
-            (h, h_1, h_2, _), (v, v_1, v_2, _), _ = landing_jacobian(self._biped, self._q)[:, BASE:]
+            (h, h_1, h_2, _), (v, v_1, v_2, _), _ = J[:, BASE:].tolist()
             area = h_1 * v_2 - h_2 * v_1
-            by_beta = (h_2 * v - h * v_2) / area, (h * v_1 - h_1 * v) / area
-            by_width = v_2 / area, -v_1 / area
-            np.multiply(beta.derivative[:, None], [1.0, *by_beta, -1.0 - sum(by_beta)], out=block[1:])
-            block[1:] += step_width.derivative[:, None] * [0.0, *by_width, -sum(by_width)]
+            turns = (h_2 * v - h * v_2) / area, (h * v_1 - h_1 * v) / area
+            np.multiply(beta.derivative[:, None], [1.0, *turns, -1.0 - sum(turns)], out=block[1:])
+            turns = v_2 / area, -v_1 / area
+            block[1:] += step_width.derivative[:, None] * [0.0, *turns, -sum(turns)]
 
-        return Dual(filled(beta.tape, (*beta.block.shape, 4), fill), beta.tape)
+        return FinalPose(Dual(filled(beta.tape, (*beta.block.shape, 4), fill), beta.tape), J)
 
-    def impact(self, q_minus: Dual, dq_minus: Dual) -> Dual:
+    def impact(self, final: FinalPose, dq_minus: Dual) -> Dual:
         """(11,) relabelled dq+ (4), impulse (3), lift-off (2) and touchdown (2) vertical velocities of the soles.
 
         Differentiates M (v+ - v-) = J' L and J v+ = 0 with respect to q and v-.
+
+        Args:
+            final: as `pose` finds it.
+            dq_minus: (4,) velocities.
         """
+        q_minus, J = final
 
         def fill(block: FloatArray) -> None:
-            rows = self._impact(q_minus.value, dq_minus.value)
+            rows = self._impact(q_minus.value, J, dq_minus.value)
             block[0] = rows[:, 0]
             np.matmul(q_minus.derivative, rows[:, 1:5].T, out=block[1:])
             block[1:] += dq_minus.derivative @ rows[:, 5:].T
 
         return Dual(filled(q_minus.tape, (len(q_minus.block), 11), fill), q_minus.tape)
 
-    def _impact(self, q_minus: FloatArray, dq_minus: FloatArray) -> FloatArray:
+    def _impact(self, q_minus: FloatArray, J: FloatArray, dq_minus: FloatArray) -> FloatArray:
         """(11, 9) the rows of `impact`: their values, derivatives by q- and derivatives by dq-."""
         biped, q = self._biped, self._q
         q[BASE:] = q_minus
-        J, M = landing_jacobian(biped, q), biped.floating_mass_matrix(q_minus)
+        M = biped.floating_mass_matrix(q_minus)
         inverse = pin.computeKKTContactDynamicMatrixInverse(self._weightless, self._data, q, J)
         solved = np.empty((SPEEDS + 3, 9))  # (v+, -L) and their derivatives
         # a foot that weighs little costs the inverse two digits, which one step of refinement gives back
@@ -112,11 +133,8 @@ class DifferentiableLanding:
 
         rows = np.empty((11, 9))
         np.matmul(self._rows, solved, out=rows[:9])
-        # vertical velocity of a sole end = that of the ankle + rotation rate * horizontal lever, flat at impact
-        rotation, ends, h_a = biped.swing_foot_rotation(q_minus), self._ends[:, None], biped.ankle_height
-        cos, sin = np.cos(rotation), np.sin(rotation)
-        by_dq = np.add(J[1, BASE:], cos * ends + sin * h_a, out=rows[9:, 5:])
+        # vertical velocity of a sole end = that of the ankle + rotation rate * horizontal lever, the foot being flat
+        by_dq = np.add(J[1, BASE:], self._ends, out=rows[9:, 5:])
         np.matmul(by_dq, dq_minus, out=rows[9:, 0])
-        levers_q, rate = cos * h_a - sin * ends, dq_minus.sum()
-        rows[9:, 1:5] = dq_minus @ turned_h[1:] + rate * levers_q
+        np.add(dq_minus @ turned_h[1:], np.add.reduce(dq_minus) * biped.ankle_height, out=rows[9:, 1:5])
         return rows

@@ -223,12 +223,11 @@ class DesignProblem(RecordedProblem):
     def landing(self, x: Dual) -> tuple[FreeParameters, FloatArray, Landing]:
         """Free parameters at x (P,), the pose (4,) that the step lands in [rad], and its impact per unit of dbeta."""
         free = self.unpack(cast("FloatArray", x))
-        q_minus = self._landing.pose(x[BETA_IMPACT], x[STEP_WIDTH])
-        dq_minus = final_falling_slope(free, cast("FloatArray", q_minus))
-        flat = self._landing.impact(q_minus, cast("Dual", dq_minus))
-        rates = (flat[rows] for rows in _LANDING_ROWS)
-        landing = Landing(relabel(cast("FloatArray", q_minus)), *(cast("FloatArray", part) for part in rates))
-        return free, cast("FloatArray", q_minus), landing
+        final = self._landing.pose(x[BETA_IMPACT], x[STEP_WIDTH])
+        q_minus = cast("FloatArray", final.q)
+        flat = self._landing.impact(final, cast("Dual", final_falling_slope(free, q_minus)))
+        rates = (cast("FloatArray", flat[rows]) for rows in _LANDING_ROWS)
+        return free, q_minus, Landing(relabel(q_minus), *rates)
 
     def step_from(
         self, begin: StepBegin, free: FreeParameters, q_minus: FloatArray, landing: Landing

@@ -26,6 +26,7 @@ _H, _V, _MOMENT = range(3)
 _FORCE, _TURN = slice(0, 2), 5  # of a spatial force: h and v, and the moment out of the plane
 
 _EACH = np.arange(4)
+_UP_TO = np.tril(np.ones((4, 4)))  # sums over joints
 
 LATER = np.maximum.outer(np.arange(4), np.arange(4))
 """(4, 4) the later of two joints: turning both, only its lever counts, for the earlier one turns all as a whole."""
@@ -106,8 +107,10 @@ class SideBySide:
                 of_part[:, _FORCE] = ground[:, _FORCE]
                 of_part[:, _MOMENT] = ground[:, _TURN]
         tau, by, J = (part.reshape(*part.shape[:-2], -1)[..., :n] for part in (tau, by, J))
-        _, dq, ddq = states[:, :n].swapaxes(1, 2)[:, :, None]
-        np.add.reduce(by[2, :, GROUND] * ddq + by[1, :, GROUND] * (0.5 * dq), axis=0, out=tau[GROUND])
+        _, dq, ddq = states[:, :n].swapaxes(1, 2).copy()[:, :, None]
+        pushed = by[2, :, GROUND] * ddq
+        pushed += by[1, :, GROUND] * (0.5 * dq)
+        np.add.reduce(pushed, axis=0, out=tau[GROUND])
         return InverseDynamics(tau, by, J)
 
     def weight(self, by_ddq: FloatArray) -> AtRest:
@@ -141,7 +144,8 @@ class SideBySide:
         _, by_dq, by_ddq = motion.by
         tau = np.add.reduce(by_ddq * dq[:, None], axis=0)
         by_q = 0.5 * by_dq
-        velocity = np.cumsum(motion.J * dq[:, None], axis=0) - motion.J * np.cumsum(dq, axis=0)[:, None]  # of joints
+        of_all = (_UP_TO @ (motion.J * dq[:, None]).reshape(4, -1)).reshape(motion.J.shape)
+        velocity = of_all - motion.J * (_UP_TO @ dq)[:, None]  # of joints
         about_itself = by_ddq[:, _H] * velocity[:, 1] - by_ddq[:, _V] * velocity[:, 0]
         excess = by_q[_EACH, 3 + _EACH] - about_itself
         by_q[:, _MOMENT] -= excess

@@ -7,6 +7,7 @@ column. Reversal: the falling phase starts in the pose and with the slope (with 
 phase ends, which fixes its first two columns; its FRI target starts where the rising one ends.
 """
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -21,7 +22,7 @@ from frontal_biped.model.stance_map import relabel
 from frontal_biped.virtual_constraints.phase import Phase
 
 
-def double_support_pose(biped: FrontalBiped, beta: FloatArray | float, step_width: FloatArray | float) -> FloatArray:
+def double_support_pose(biped: FrontalBiped, beta: float, step_width: float) -> FloatArray:
     """(4,) pose with both feet flat on the ground, ankles ``step_width`` apart, stance ankle at beta.
 
     Hip line and swing leg close a triangle over the stance hip and the swing ankle; of its two mirror images the
@@ -38,26 +39,27 @@ def double_support_pose(biped: FrontalBiped, beta: FloatArray | float, step_widt
     Raises:
         UnreachablePoseError: the swing foot cannot be there.
     """
+    # stance leg, hip line, swing leg at the upright reference (h, v)
     joints = biped.chain.joints
-    a, b, c = joints[1:] - joints[:-1]  # stance leg, hip line, swing leg at the upright reference (h, v)
+    (a_h, a_v), (b_h, b_v), (c_h, c_v) = (joints[1:] - joints[:-1]).tolist()
     stance_leg = beta - UPRIGHT
-    cos, sin = np.cos(stance_leg), np.sin(stance_leg)
-    d_h, d_v = step_width - (cos * a[0] - sin * a[1]), -(sin * a[0] + cos * a[1])
+    cos, sin = math.cos(stance_leg), math.sin(stance_leg)
+    d_h, d_v = step_width - (cos * a_h - sin * a_v), -(sin * a_h + cos * a_v)
     # |b + R(x) c|^2 = |d|^2, with b . R(x) c = cos x (b . c) + sin x (b . Jc), J the quarter turn
-    along, across = b @ c, b @ np.array([-c[1], c[0]])
-    reach = np.hypot(along, across)
-    cosine = (0.5 * (d_h**2 + d_v**2 - b @ b - c @ c)) / reach
-    if not (np.abs(cosine) <= 1.0).all():
+    along, across = b_h * c_h + b_v * c_v, b_v * c_h - b_h * c_v
+    squares = d_h * d_h + d_v * d_v - b_h * b_h - b_v * b_v - c_h * c_h - c_v * c_v
+    cosine = 0.5 * squares / math.hypot(along, across)
+    if not abs(cosine) <= 1.0:
         raise UnreachablePoseError(
             f"both feet cannot stand {float(step_width):.4g} m apart with the stance ankle at {float(beta):.4g} rad;"
             " change step_width or the start pose"
         )
-    centre = np.arctan2(across, along)
-    x = centre - np.sign(centre) * np.arccos(cosine)
-    hip_to_ankle_h = b[0] + np.cos(x) * c[0] - np.sin(x) * c[1]
-    hip_to_ankle_v = b[1] + np.sin(x) * c[0] + np.cos(x) * c[1]
+    centre = math.atan2(across, along)
+    x = centre - math.copysign(math.acos(cosine), centre)
+    cos, sin = math.cos(x), math.sin(x)
+    hip_to_ankle_h, hip_to_ankle_v = b_h + cos * c_h - sin * c_v, b_v + sin * c_h + cos * c_v
     # rotation from the unturned hip-to-ankle vector to d
-    pelvis = np.arctan2(hip_to_ankle_h * d_v - hip_to_ankle_v * d_h, hip_to_ankle_h * d_h + hip_to_ankle_v * d_v)
+    pelvis = math.atan2(hip_to_ankle_h * d_v - hip_to_ankle_v * d_h, hip_to_ankle_h * d_h + hip_to_ankle_v * d_v)
     return np.array([beta, UPRIGHT + pelvis - stance_leg, UPRIGHT + x, UPRIGHT - pelvis - x])
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from random_states import assert_close
 
-from frontal_biped.design.forward_mode import Dual
+from frontal_biped.design.forward_mode import Dual, independent
 from frontal_biped.design.landing import DifferentiableLanding
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.exceptions import UnreachablePoseError
@@ -166,9 +166,12 @@ def test_evaluation_is_the_closed_form(problem):
 
 def test_impact_of_the_optimiser_is_the_impact(robot):
     """The differentiated impact repeats the formulas of `impact`; their values must not drift apart."""
+    differentiable = DifferentiableLanding(robot)
+    final = differentiable.pose(*independent(np.array([-1.66, 0.27])))
     q = double_support_pose(robot, -1.66, 0.27)
+    assert np.array_equal(final.q.value, q)
     dq = np.array([-0.5, 0.8, -0.3, 0.4])
-    flat = DifferentiableLanding(robot).impact(Dual.of(q, np.eye(4)), Dual.of(dq, np.zeros((4, 4)))).value
+    flat = differentiable.impact(final, Dual.of(dq, np.zeros((2, 4)))).value
     landing = impact(robot, q, dq)
     touchdown = robot.swing_sole_jacobian(q)[:, 1] @ dq
     expected = np.concatenate([landing.dq_plus, landing.impulse, landing.lift_off, touchdown])
