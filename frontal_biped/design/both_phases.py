@@ -117,6 +117,14 @@ class BothPhases:
             self._rule, StepPhase.RISING, Delta, nodes.constrained_motion(), restricted
         )
 
+    def in_turn(self, rows: Dual) -> Dual:
+        """(rows 2 n,) rows at the nodes of both phases, (rows, 2 n), those of the rising phase before the other's."""
+        size, count, nodes = rows.block.shape
+        source = rows.block.reshape(size, count, 2, -1).transpose(2, 1, 3, 0)
+        found = np.empty((2, count, nodes // 2, size))
+        written(rows.tape, np.copyto, found, source)
+        return Dual(found.reshape(-1, size).T, rows.tape)
+
     def apart(self, Delta: Dual, both: PhaseOrbit) -> PhaseOrbits:
         """What `orbit` has found, as the orbits of the two phases."""
         kinds = StepPhase.RISING, StepPhase.FALLING

@@ -11,7 +11,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.forward_mode import Dual, independent
 from frontal_biped.design.rows import MarginLayout, MarginRow, lay_out
-from frontal_biped.design.tape import Tape
+from frontal_biped.design.tape import Tape, done
 from frontal_biped.gait.constraints import Constraint
 
 EQUALITY = 0.1
@@ -72,8 +72,9 @@ class RecordedEvaluation:
         self._at: FloatArray | None = x.copy()
         self._variables = independent(x, self._tape)
         self._found = quantities(self._variables)
-        values = [constraint.values for constraint in self._found.constraints]
-        self._values = cast("Dual", np.concatenate(values)).block
+        # (values, 1 + P), so that a margin has its derivatives behind it
+        values = [cast("Dual", constraint.values).block.T for constraint in self._found.constraints]
+        self._values = done(self._tape, np.concatenate, values, 0)
 
     def move(self, x: FloatArray) -> None:
         """Go to a point (P,); nothing is to be done where it is already."""
@@ -90,18 +91,19 @@ class RecordedEvaluation:
             layout: of the margins.
         """
         rows, equality, residuals = layout(self._found.constraints), self._found.equality, self._found.residuals
-        margins = np.take(self._values, rows.picks, axis=1)
-        margins[0] -= rows.bound
-        margins *= rows.factor
-        residual, jacobian = residuals.value.copy(), residuals.derivative.T.copy()
+        margins = np.take(self._values, rows.picks, axis=0)
+        margins[:, 0] -= rows.bound
+        margins *= rows.factor[:, None]
+        weighted = np.array(residuals.block.T, order="C")
+        residual, jacobian = weighted[:, 0].copy(), weighted[:, 1:]
         return Evaluation(
             float(residual @ residual),
             2.0 * residual @ jacobian,
             jacobian,
             equality.value / EQUALITY,
             equality.derivative.T / EQUALITY,
-            margins[0],
-            margins[1:].T,
+            margins[:, 0].copy(),
+            margins[:, 1:],
         )
 
 

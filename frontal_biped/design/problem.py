@@ -246,7 +246,7 @@ class DesignProblem(RecordedProblem):
             StepOrbit(*self._both.apart(Delta, lifted), landing, free.step_width),
             SoleHeights(*(projection.soles[:, nodes] for nodes in self._both.slices)),
             self.surplus(rising, falling),
-            cast("Dual", np.concatenate([torques[:, nodes].reshape(-1) for nodes in self._both.slices])),
+            self._both.in_turn(cast("Dual", torques)),
             self._holding(lifted),
         )
 
