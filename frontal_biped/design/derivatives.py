@@ -14,7 +14,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.forward_mode import Dual
 from frontal_biped.design.node_table import NodeTable, told
-from frontal_biped.design.side_by_side import GROUND, side_by_side
+from frontal_biped.design.side_by_side import GROUND, InverseDynamics, side_by_side
 from frontal_biped.design.tape import Tape, computed, written
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.space.plane_masses import PlaneDynamics, PlaneMasses
@@ -62,34 +62,19 @@ class Nodes(NamedTuple):
         return ConstrainedMotion(q, dq, ddq, p_fri, dp_fri)
 
 
-class Along(NamedTuple):
-    """Inverse dynamics along a curve of n nodes, as last computed, w = A ddbeta + B dbeta^2 + G.
-
-    Attributes:
-        values: (3, 7, n) A, B, G; rows as in `zero_dynamics.restricted`.
-        A_by: (8, 7, n) derivatives of A with respect to q and q'.
-        B_by: (12, 7, n) of B with respect to q, q' and q''.
-        G_by: (4, 7, n) of G with respect to q.
-    """
-
-    values: FloatArray
-    A_by: FloatArray
-    B_by: FloatArray
-    G_by: FloatArray
-
-
 class Projection(NamedTuple):
     """What the model has to say along a curve of n configurations.
 
     Attributes:
         restricted: the scalar dynamics; of A, B and G it has A_h, all else that an orbit needs being told.
         soles: (2, n) heights of the swing sole's inner and outer end [m].
-        along: for `DifferentiableBiped.passing`.
+        terms: (15, 3, 7, n) A, B and G of w = A ddbeta + B dbeta^2 + G, as last computed: the values, then derivatives
+            with respect to q, q', q'' (4 each) and the FRI (2); rows as in `zero_dynamics.restricted`.
     """
 
     restricted: RestrictedDynamics
     soles: FloatArray
-    along: Along
+    terms: FloatArray
 
 
 class Passing(NamedTuple):
@@ -119,21 +104,19 @@ class DifferentiableBiped:
         """`zero_dynamics.on_constraints` and the sole heights at nodes whose motion is known."""
         motion, scalars = nodes
         n, tape = len(motion.block), motion.tape
-        values, A_by, B_by, G_by = along = Along(*(np.empty((rows, 7, n)) for rows in (3, 8, 12, 4)))
-        ground, soles = np.zeros((15, 9, n)), np.zeros((15, 2, n))  # differentiated by the curve
+        terms, soles = np.zeros((15, 3, 7, n)), np.zeros((15, 2, n))
+        at_rest, moving, weight = terms.swapaxes(0, 1)  # A, B, G
 
         def fill() -> None:
             states = motion.block[:, 5:17, 0].reshape(n, 3, 4).swapaxes(0, 1).copy()
-            moving = self._many.at(states)  # B
-            from_rest, weight = self._many.from_rest(moving, states[1].T.copy()), self._many.weight(moving.by[2])  # A, G
-            values[0], values[1], values[2] = from_rest.tau, moving.tau, weight.tau
-            A_by[:4], A_by[4:], B_by[:], G_by[:] = from_rest.by_q, moving.by[2], moving.by.reshape(12, 7, n), weight.by_q
-            np.copyto(ground[0], values[:, GROUND].reshape(9, n))
-            ground[1:9, :3], ground[1:13, 3:6], ground[1:5, 6:] = A_by[:, GROUND], B_by[:, GROUND], G_by[:, GROUND]
-            soles[0], soles[1:5] = self._sole_heights(states[0], moving.J)
+            J = self._many.at(states, moving[:13])
+            self._many.from_rest(moving[:13], J, states[1].T.copy(), InverseDynamics(at_rest[0], at_rest[1:5]))
+            at_rest[5:9] = moving[9:13]
+            self._many.weight(moving[9:13], InverseDynamics(weight[0], weight[1:5]))
+            self._sole_heights(states[0], J, soles)
 
         written(tape, fill)
-        A, B, G = (cast("FloatArray", Dual(ground[:, row : row + 3], tape)) for row in (0, 3, 6))
+        A, B, G = (cast("FloatArray", Dual(part[:, GROUND], tape)) for part in (at_rest, moving, weight))
         p_fri, dp_fri = (cast("FloatArray", row) for row in motion.local(_CURVE)[12:])
         local = RestrictedDynamics(ProjectedDynamics(A, B, G), p_fri, dp_fri)
         found = [local.rate[None], local.drive[None], A[:1], cast("FloatArray", Dual(soles, tape))]
@@ -147,20 +130,25 @@ class DifferentiableBiped:
             RestrictedDynamics(ProjectedDynamics(A_h, nothing, nothing), p_fri, dp_fri),
             **{name: scalars.row(row) for name, row in rows.items()},
         )
-        return Projection(restricted, cast("FloatArray", scalars.rows(SOLES)), along)
+        return Projection(restricted, cast("FloatArray", scalars.rows(SOLES)), terms)
 
-    def _sole_heights(self, q: FloatArray, J: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(2, n) heights of both ends and (4, 2, n) derivatives.
+    def _sole_heights(self, q: FloatArray, J: FloatArray, found: FloatArray) -> None:
+        """Heights of the sole's ends at n configurations (n, 4).
 
         Turning a joint moves a point by a quarter turn of its lever: J (4, 2, n), the velocity of the world's origin as
         if it belonged to the foot, is the vertical and minus the horizontal place of each joint.
+
+        Args:
+            q: configurations.
+            J: there.
+            found: (5 or more, 2, n) filled with values and derivatives with respect to q.
         """
         rotation, ends, h_a = self._biped.swing_foot_rotation(q), self._ends, self._biped.ankle_height
         cos, sin = np.cos(rotation), np.sin(rotation)
-        horizontal = cos * ends + (sin * h_a - J[-1, 1])
-        return sin * ends + (J[-1, 0] - cos * h_a), horizontal + J[:, None, 1]
+        np.add(sin * ends, J[-1, 0] - cos * h_a, out=found[0])
+        np.add(cos * ends + (sin * h_a - J[-1, 1]), J[:, None, 1], out=found[1:5])
 
-    def passing(self, nodes: Nodes, orbit: PhaseOrbit, step_width: Dual, sign: FloatArray, along: Along) -> Passing:
+    def passing(self, nodes: Nodes, orbit: PhaseOrbit, step_width: Dual, sign: FloatArray, terms: FloatArray) -> Passing:
         """The orbit, where it is known at what speed and under which forces it passes its nodes.
 
         Args:
@@ -168,7 +156,7 @@ class DifferentiableBiped:
             orbit: through them.
             step_width: L_s [m].
             sign: (n,) of dbeta.
-            along: what `project` has found there.
+            terms: (15, 3, 7, n) what `project` has found there.
         """
         motion, scalars = nodes
         scalars.put(STEP_WIDTH, step_width)
@@ -184,7 +172,7 @@ class DifferentiableBiped:
 
         felt = NodeTable(len(motion.block), 15, motion.block.shape[2] - 1, motion.tape)
         by_node = np.zeros((len(motion.block), 15, 17))
-        written(motion.tape, _feel, by_node, motion.block[:, :, 0], along)
+        written(motion.tape, _feel, by_node, motion.block[:, :, 0], terms)
         felt.carry(slice(0, 15), by_node, motion, _MOVING)
         known = {"dbeta": DBETA, "ddbeta": DDBETA, "time_density": TIME_DENSITY}
         walked = told(
@@ -196,21 +184,21 @@ class DifferentiableBiped:
         return Passing(walked, cast("FloatArray", felt.rows(_WEIGHTED)))
 
 
-def _feel(by_node: FloatArray, motion: FloatArray, along: Along) -> None:
+def _feel(by_node: FloatArray, motion: FloatArray, terms: FloatArray) -> None:
     """Forces, weighted torques and velocities.
 
     Args:
         by_node: (n, 15, 17) filled with their values and derivatives with respect to the rows `_MOVING`.
         motion: (n, 19) values of the table.
-        along: the inverse dynamics.
+        terms: (15, 3, 7, n) as in `Projection`.
     """
-    (A, B, G), (ddbeta, squared, share, dbeta) = along.values, motion[:, DDBETA : DBETA + 1].T.copy()
+    (A, B, G), (ddbeta, squared, share, dbeta) = terms.swapaxes(0, 1), motion[:, DDBETA : DBETA + 1].T.copy()
     forces, weighted, velocities = by_node[:, _FORCES], by_node[:, _WEIGHTED], by_node[:, _VELOCITIES]
-    by = along.B_by * squared
-    by[:8] += along.A_by * ddbeta
-    by[:4] += along.G_by
-    forces[:, :, 0], forces[:, :, 1], forces[:, :, 2] = (A * ddbeta + B * squared + G).T, A.T, B.T
-    forces[:, :, 5:] = by.transpose(2, 1, 0)
+    w = B[:13] * squared
+    w[:9] += A[:9] * ddbeta
+    w[:5] += G[:5]
+    forces[:, :, 0], forces[:, :, 1], forces[:, :, 2] = w[0].T, A[0].T, B[0].T
+    forces[:, :, 5:] = w[1:].transpose(2, 1, 0)
     torques = forces[:, TORQUES]
     np.multiply(torques, share[:, None, None], out=weighted)
     weighted[:, :, 3] = torques[:, :, 0]

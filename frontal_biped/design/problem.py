@@ -240,7 +240,7 @@ class DesignProblem(RecordedProblem):
         orbit = self._both.orbit(nodes, projection.restricted)
         put_above_floor(orbit, nodes)
         width = cast("Dual", free.step_width)
-        lifted, torques = self._differentiable.passing(nodes, orbit, width, self._both.sign, projection.along)
+        lifted, torques = self._differentiable.passing(nodes, orbit, width, self._both.sign, projection.terms)
         return EvaluatedStep(
             StepOrbit(*self._both.apart(Delta, orbit), landing, free.step_width),
             StepOrbit(*self._both.apart(Delta, lifted), landing, free.step_width),

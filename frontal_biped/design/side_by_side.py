@@ -33,21 +33,7 @@ LATER = np.maximum.outer(np.arange(4), np.arange(4))
 
 
 class InverseDynamics(NamedTuple):
-    """Without gravity, at n states; rows F_h, F_v, N_0, u_1..u_4.
-
-    Attributes:
-        tau: (7, n).
-        by: (3, 4, 7, n) derivatives with respect to q, dq and ddq of each joint.
-        J: (4, 2, n) of each joint, the velocity (h, v) of a point at the origin that moves with the swing foot.
-    """
-
-    tau: FloatArray
-    by: FloatArray
-    J: FloatArray
-
-
-class AtRest(NamedTuple):
-    """Inverse dynamics of a robot that does not move yet, at n states, rows as in `InverseDynamics`.
+    """At n states; rows F_h, F_v, N_0, u_1..u_4. They are views of arrays that the caller has.
 
     Attributes:
         tau: (7, n).
@@ -92,44 +78,56 @@ class SideBySide:
         self._of_ground = [_columns(matrix) for matrix in (data.dFdq, data.dFdv, data.dFda)]
         self._J = _columns(data.J)
 
-    def at(self, states: FloatArray) -> InverseDynamics:
-        """Inverse dynamics at n states, q, dq and ddq (3, n, 4)."""
-        n, groups = states.shape[1], -(-states.shape[1] // COPIES)
-        if n < groups * COPIES:
-            states = np.concatenate([states, np.zeros((3, groups * COPIES - n, 4))], axis=1)
-        tau, J = np.empty((7, groups, COPIES)), np.empty((4, 2, groups, COPIES))
-        by = np.empty((3, 4, 7, groups, COPIES))
-        for group, state in enumerate(states.reshape(3, groups, -1).swapaxes(0, 1)):
-            pin.computeRNEADerivatives(self._model, self._data, *state)
-            tau[JOINTS, group], J[:, :, group] = self._torques, self._J[:, :2]
-            for of_part, joints, ground in zip(by[:, :, :, group], self._of_joints, self._of_ground, strict=True):
-                of_part[:, JOINTS] = joints
-                of_part[:, _FORCE] = ground[:, _FORCE]
-                of_part[:, _MOMENT] = ground[:, _TURN]
-        tau, by, J = (part.reshape(*part.shape[:-2], -1)[..., :n] for part in (tau, by, J))
-        _, dq, ddq = states[:, :n].swapaxes(1, 2).copy()[:, :, None]
+    def at(self, states: FloatArray, found: FloatArray) -> FloatArray:
+        """Inverse dynamics without gravity at n states, q, dq and ddq (3, n, 4).
+
+        Args:
+            states: q, dq and ddq.
+            found: (13, 7, n) filled with values, then derivatives with respect to q, dq and ddq of each joint; rows
+                F_h, F_v, N_0, u_1..u_4.
+
+        Returns:
+            (4, 2, n) of each joint, the velocity (h, v) of a point at the origin that moves with the swing foot.
+        """
+        n = states.shape[1]
+        tau, by, J = found[0], found[1:].reshape(3, 4, 7, n), np.empty((4, 2, n))
+        one = np.zeros((3, COPIES, 4))
+        for begin in range(0, n, COPIES):
+            here = slice(begin, min(begin + COPIES, n))
+            k = here.stop - begin
+            one[:, :k] = states[:, here]
+            pin.computeRNEADerivatives(self._model, self._data, *one.reshape(3, -1))
+            tau[JOINTS, here], J[:, :, here] = self._torques[:, :k], self._J[:, :2, :k]
+            for of_part, joints, ground in zip(by[..., here], self._of_joints, self._of_ground, strict=True):
+                of_part[:, JOINTS] = joints[..., :k]
+                of_part[:, _FORCE] = ground[:, _FORCE, :k]
+                of_part[:, _MOMENT] = ground[:, _TURN, :k]
+        _, dq, ddq = states.swapaxes(1, 2).copy()[:, :, None]
         pushed = by[2, :, GROUND] * ddq
         pushed += by[1, :, GROUND] * (0.5 * dq)
         np.add.reduce(pushed, axis=0, out=tau[GROUND])
-        return InverseDynamics(tau, by, J)
+        return J
 
-    def weight(self, by_ddq: FloatArray) -> AtRest:
-        """The weight alone at the states that ``by_ddq`` (4, 7, n) of `InverseDynamics` belongs to.
+    def weight(self, by_ddq: FloatArray, found: InverseDynamics) -> None:
+        """The weight alone at the states that ``by_ddq`` (4, 7, n) of `at` belongs to.
 
         Turning joint j moves the centre of mass of what it carries by a quarter turn of its lever: the moment about the
         ground point changes by the horizontal way times the weight, the torque about joint i by that of the later of i
         and j.
+
+        Args:
+            by_ddq: derivatives with respect to ddq.
+            found: filled, but for what is zero in it: derivatives of the force.
         """
-        ways = GRAVITY * by_ddq[:, _H]
-        tau, by_q = np.zeros(by_ddq.shape[1:]), np.zeros(by_ddq.shape)
+        tau, by_q = found
+        ways = np.multiply(GRAVITY, by_ddq[:, _H], out=by_q[:, _MOMENT])
+        by_q[:, JOINTS] = ways[LATER]
         np.multiply(GRAVITY, by_ddq[:, _V], out=tau[JOINTS])
         tau[_V] = self._weight
         np.add(tau[3], self._moment_of_foot, out=tau[_MOMENT])
-        by_q[:, _MOMENT], by_q[:, JOINTS] = ways, ways[LATER]
-        return AtRest(tau, by_q)
 
-    def from_rest(self, motion: InverseDynamics, dq: FloatArray) -> AtRest:
-        """M dq: what the robot wants that is accelerated by a motion's own velocities dq (4, n) from rest.
+    def from_rest(self, moving: FloatArray, J: FloatArray, dq: FloatArray, found: InverseDynamics) -> None:
+        """M dq: what the robot wants that is accelerated by a motion's own velocities from rest.
 
         In the plane, as complex numbers h + i v, turning joint k moves the place c of a mass m that it carries by
         i (c - p_k), and its velocity c' by i (c - p_k)'. Moments about joint i, not after k, and their derivatives are
@@ -140,17 +138,22 @@ class SideBySide:
         so that half of what the motion has by its velocities is too much by  Re sum m conj(c - p_k) c', whatever i is;
         M being symmetric, it is the later joint's for i after k too. Where i is k, the derivative here is but
         -Re conj(sum m (c - p_k)) p_k', which tells the sum. The force, sum m c', has half exactly.
+
+        Args:
+            moving: (13, 7, n) inverse dynamics of the motion.
+            J: (4, 2, n) that `at` has returned for it.
+            dq: (4, n) its velocities.
+            found: filled.
         """
-        _, by_dq, by_ddq = motion.by
-        tau = np.add.reduce(by_ddq * dq[:, None], axis=0)
-        by_q = 0.5 * by_dq
-        of_all = (_UP_TO @ (motion.J * dq[:, None]).reshape(4, -1)).reshape(motion.J.shape)
-        velocity = of_all - motion.J * (_UP_TO @ dq)[:, None]  # of joints
-        about_itself = by_ddq[:, _H] * velocity[:, 1] - by_ddq[:, _V] * velocity[:, 0]
-        excess = by_q[_EACH, 3 + _EACH] - about_itself
+        (tau, by_q), by_dq, by_ddq = found, moving[5:9], moving[9:]
+        np.add.reduce(by_ddq * dq[:, None], axis=0, out=tau)
+        np.multiply(0.5, by_dq, out=by_q)
+        velocity = (_UP_TO @ (J * dq[:, None]).reshape(4, -1)).reshape(J.shape)  # of joints
+        velocity -= J * (_UP_TO @ dq)[:, None]
+        excess = by_ddq[:, _V] * velocity[:, 0] - by_ddq[:, _H] * velocity[:, 1]
+        excess += by_q[_EACH, 3 + _EACH]
         by_q[:, _MOMENT] -= excess
         by_q[:, JOINTS] -= excess[LATER]
-        return AtRest(tau, by_q)
 
 
 _MADE: WeakKeyDictionary[FrontalBiped, SideBySide] = WeakKeyDictionary()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from random_states import assert_close
 
-from frontal_biped.design.side_by_side import COPIES, side_by_side
+from frontal_biped.design.side_by_side import COPIES, InverseDynamics, side_by_side
 
 SAME = 1e-12
 """Relative difference of the same sums in another order."""
@@ -21,52 +21,59 @@ def states(n, seed=0):
     return np.array([rng.normal(size=(n, 4)) - 0.5 * np.pi, rng.normal(size=(n, 4)), rng.normal(size=(n, 4))])
 
 
+def moving(robot, at):
+    """(13, 7, n) inverse dynamics without gravity and its derivatives, and J."""
+    found = np.full((13, 7, at.shape[1]), np.nan)
+    return found, side_by_side(robot).at(at, found)
+
+
+def weight(robot, at):
+    """The weight alone."""
+    found, _ = moving(robot, at)
+    alone = np.zeros_like(found)
+    side_by_side(robot).weight(found[9:], InverseDynamics(alone[0], alone[1:5]))
+    return alone
+
+
 @pytest.mark.parametrize("n", [1, COPIES - 1, COPIES, 2 * COPIES + 3])
 def test_motion_and_weight_are_inverse_dynamics(robot, n):
     at = states(n)
-    found = side_by_side(robot).at(at)
-    weight = side_by_side(robot).weight(found.by[2])
+    found = moving(robot, at)[0][0] + weight(robot, at)[0]
     expected = np.array([robot.inverse_dynamics(*one) for one in zip(*at, strict=True)])
-    assert_close((found.tau + weight.tau).T, expected, SAME)
+    assert_close(found.T, expected, SAME)
 
 
 def test_weight_alone_is_inverse_dynamics_at_rest(robot):
     at = states(COPIES + 1, seed=1)
-    weight = side_by_side(robot).weight(side_by_side(robot).at(at).by[2])
-    assert_close(weight.tau.T, np.array([robot.inverse_dynamics(q, *np.zeros((2, 4))) for q in at[0]]), SAME)
+    expected = np.array([robot.inverse_dynamics(q, *np.zeros((2, 4))) for q in at[0]])
+    assert_close(weight(robot, at)[0].T, expected, SAME)
 
 
 @pytest.mark.parametrize("n", [1, COPIES + 1])
 def test_set_in_motion_from_rest_is_inverse_dynamics_without_velocity(robot, n):
     """And its derivatives are those of the states at rest themselves."""
-    q, dq, ddq = at = states(n, seed=4)
-    many = side_by_side(robot)
-    found = many.from_rest(many.at(at), dq.T)
-    expected = many.at(np.array([q, np.zeros_like(dq), dq]))
-    assert_close(found.tau.T, expected.tau.T, SAME)
-    assert_close(found.by_q.T, expected.by[0].T, SAME, floor=1.0)
+    q, dq, _ = at = states(n, seed=4)
+    found = np.full((5, 7, n), np.nan)
+    side_by_side(robot).from_rest(*moving(robot, at), dq.T.copy(), InverseDynamics(found[0], found[1:]))
+    expected, _ = moving(robot, np.array([q, np.zeros_like(dq), dq]))
+    assert_close(found[0].T, expected[0].T, SAME)
+    assert_close(found[1:].T, expected[1:5].T, SAME, floor=1.0)
 
 
 def test_derivatives_against_differences(robot):
     at = states(3, seed=2)
-    many = side_by_side(robot)
-    found = many.at(at)
-    for part, exact in enumerate(found.by):
-        for joint in range(4):
-            shift = np.zeros((3, 3, 4))
-            shift[part, :, joint] = STEP
-            above, below = many.at(at + shift).tau, many.at(at - shift).tau
-            assert_close(((above - below) / (2.0 * STEP)).T, exact[joint].T, GRADIENT_TOLERANCE, floor=1.0)
-    weight = many.weight(found.by[2])
-    for joint in range(4):
+    exact, exact_weight = moving(robot, at)[0], weight(robot, at)
+    for variable in range(12):
+        part, joint = divmod(variable, 4)
         shift = np.zeros((3, 3, 4))
-        shift[0, :, joint] = STEP
-        above, below = (many.weight(many.at(moved).by[2]).tau for moved in (at + shift, at - shift))
-        assert_close(((above - below) / (2.0 * STEP)).T, weight.by_q[joint].T, GRADIENT_TOLERANCE, floor=1.0)
+        shift[part, :, joint] = STEP
+        for found, own in ((lambda at: moving(robot, at)[0], exact), (lambda at: weight(robot, at), exact_weight)):
+            difference = (found(at + shift)[0] - found(at - shift)[0]) / (2.0 * STEP)
+            assert_close(difference.T, own[1 + variable].T, GRADIENT_TOLERANCE, floor=1.0)
 
 
 def test_the_swing_ankle_is_where_the_robot_has_it(robot):
     at = states(COPIES + 2, seed=3)
-    J = side_by_side(robot).at(at).J
+    _, J = moving(robot, at)
     for q, own in zip(at[0], J.T, strict=True):
         assert_close(np.stack([-own[1], own[0]], axis=1), robot.joint_positions(q), SAME, floor=1.0)
