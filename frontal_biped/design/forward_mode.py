@@ -146,8 +146,10 @@ def chain(value: FloatArray, outer: FloatArray, inner: Dual) -> Dual:
 
 def elementwise(a: Dual, value: FloatArray, slope: FloatArray) -> Dual:
     """A function of each element, known by its values and slopes, both of a's shape or repeating it."""
-    block = done(a.tape, np.multiply, _widened(a.block, np.ndim(slope)), slope)
+    source = _widened(a.block, np.ndim(slope))
+    block = np.empty(np.broadcast_shapes(source.shape, np.shape(slope)))
     written(a.tape, np.copyto, block[0, ...], value)
+    written(a.tape, np.multiply, source[1:], slope, block[1:])
     return Dual(block, a.tape)
 
 
@@ -218,20 +220,30 @@ def _divide(a: Any, b: Any) -> Dual:
         quotient = done(tape, np.multiply, a, inverse)
         return elementwise(b, quotient, done(tape, np.multiply, done(tape, np.negative, quotient), inverse))
     left, right = _aligned(a.block, b.block)
-    quotient = done(tape, np.multiply, left[0, ...], inverse)
-    block = done(tape, np.multiply, quotient, right)
-    written(tape, np.subtract, left, block, block)
-    written(tape, np.multiply, block, inverse, block)
-    written(tape, np.copyto, block[0, ...], quotient)
+    block = done(tape, np.multiply, left, inverse)  # for its shape and order; the values are the quotient
+    written(tape, np.multiply, block[0, ...], right[1:], block[1:])
+    written(tape, np.subtract, left[1:], block[1:], block[1:])
+    written(tape, np.multiply, block[1:], inverse, block[1:])
     return Dual(block, tape)
+
+
+def _by_value(a: Dual, function: Callable[..., Any], *arguments: Any) -> FloatArray:
+    """A block like a's, with values that a function puts there; their derivatives are to come."""
+    block = np.empty_like(a.block)
+    written(a.tape, function, *arguments, block[0, ...])
+    return block
 
 
 def _power(a: Dual, exponent: float) -> Dual:
     tape, value = a.tape, a.value
     if exponent == 2:
-        return elementwise(a, done(tape, np.multiply, value, value), done(tape, np.multiply, 2.0, value))
-    slope = done(tape, np.multiply, exponent, done(tape, np.power, value, exponent - 1))
-    return elementwise(a, done(tape, np.power, value, exponent), slope)
+        block = _by_value(a, np.multiply, value, value)
+        slope = done(tape, np.multiply, 2.0, value)
+    else:
+        block = _by_value(a, np.power, value, exponent)
+        slope = done(tape, np.multiply, exponent, done(tape, np.power, value, exponent - 1))
+    written(tape, np.multiply, a.derivative, slope, block[1:])
+    return Dual(block, tape)
 
 
 def _matmul(a: Any, b: Any) -> Dual:
@@ -255,13 +267,15 @@ def _minimum(a: Any, b: Any) -> Dual:
 
 
 def _sqrt(a: Dual) -> Dual:
-    root = done(a.tape, np.sqrt, a.value)
-    return elementwise(a, root, done(a.tape, np.divide, 0.5, root))
+    block = _by_value(a, np.sqrt, a.value)
+    written(a.tape, np.multiply, a.derivative, done(a.tape, np.divide, 0.5, block[0, ...]), block[1:])
+    return Dual(block, a.tape)
 
 
 def _exp(a: Dual) -> Dual:
-    value = done(a.tape, np.exp, a.value)
-    return elementwise(a, value, value)
+    block = _by_value(a, np.exp, a.value)
+    written(a.tape, np.multiply, a.derivative, block[0, ...], block[1:])
+    return Dual(block, a.tape)
 
 
 def _sin(a: Dual) -> Dual:
