@@ -74,7 +74,7 @@ class BothPhases:
     def motion(self, rising: PhaseParameters, falling: PhaseParameters) -> tuple[Dual, Nodes]:
         """(2,) |beta_r- - beta_impact| of the phases [rad], and the nodes of both with the robot's motion there."""
         reversal = cast("Dual", rising.beta_end)
-        Delta = cast("Dual", reversal - np.stack([rising.beta_start, falling.beta_end]))
+        Delta = reversal - np.stack([rising.beta_start, falling.beta_end])
         beziers = [cast("Dual", phase.joint_bezier).block for phase in (rising, falling)]
         fris = [cast("Dual", phase.fri_bezier).block for phase in (rising, falling)]
         columns = np.empty((2, 3, *beziers[0].T.shape))  # of q and its derivatives with respect to beta
@@ -113,9 +113,7 @@ class BothPhases:
             restricted: the scalar dynamics there.
         """
         Delta = cast("float", nodes.scalars.row(DELTA))
-        return integrate_from_reversal(
-            self._rule, StepPhase.RISING, Delta, nodes.constrained_motion(), restricted
-        )
+        return integrate_from_reversal(self._rule, StepPhase.RISING, Delta, nodes.constrained_motion(), restricted)
 
     def in_turn(self, rows: Dual) -> Dual:
         """(rows 2 n,) rows at the nodes of both phases, (rows, 2 n), those of the rising phase before the other's."""
@@ -151,6 +149,4 @@ def _cut(known: PhaseOrbit | RestrictedDynamics, nodes: slice) -> dict[str, Floa
     """What was told of the nodes of both phases, for some of them."""
     fields = known.__dataclass_fields__
     found = {name: values for name, values in vars(known).items() if name not in fields}
-    return {
-        name: values[:, nodes] if name == "generalized_forces" else values[nodes] for name, values in found.items()
-    }
+    return {name: values[:, nodes] if name == "generalized_forces" else values[nodes] for name, values in found.items()}

@@ -148,7 +148,9 @@ class DifferentiableBiped:
         np.add(sin * ends, J[-1, 0] - cos * h_a, out=found[0])
         np.add(cos * ends + (sin * h_a - J[-1, 1]), J[:, None, 1], out=found[1:5])
 
-    def passing(self, nodes: Nodes, orbit: PhaseOrbit, step_width: Dual, sign: FloatArray, terms: FloatArray) -> Passing:
+    def passing(
+        self, nodes: Nodes, orbit: PhaseOrbit, step_width: Dual, sign: FloatArray, terms: FloatArray
+    ) -> Passing:
         """The orbit, where it is known at what speed and under which forces it passes its nodes.
 
         Args:
@@ -160,9 +162,7 @@ class DifferentiableBiped:
         """
         motion, scalars = nodes
         scalars.put(STEP_WIDTH, step_width)
-        inertia, moment, bent, z, Delta, width = (
-            cast("FloatArray", row) for row in scalars.local(_PASSED_BY)
-        )
+        inertia, moment, bent, z, Delta, width = (cast("FloatArray", row) for row in scalars.local(_PASSED_BY))
         restricted = told(replace(orbit.restricted), I_P=inertia, kappa_2=moment, B_P=bent)
         local = replace(orbit, tau=sign * orbit.tau, Delta=cast("float", Delta), restricted=restricted, z=z)
         squared = local.dbeta**2

@@ -5,7 +5,7 @@ derivatives; only the calls into Pinocchio need rules of their own (`design.deri
 the tape of the variables, where they have one (`design.tape`).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -59,6 +59,9 @@ class Dual:
 
     def __len__(self) -> int:
         return self.block.shape[1]
+
+    def __iter__(self) -> Iterator["Dual"]:
+        return (self[i] for i in range(len(self)))
 
     def __getitem__(self, key: Any) -> "Dual":
         if isinstance(key, np.ndarray):

@@ -2,8 +2,8 @@
 
 Both are told by equations: the pose by both feet flat on the ground, the velocities behind the impact and the impulse
 by rigid contact (`model.impact`). The implicit function theorem differentiates them, and first derivatives of RNEA are
-all that it takes from the model: turning joint j moves the lever of joint i <= j as a whole, so dJ_i/dq_j is the quarter
-turn of J_j, and by symmetry of second derivatives the later of the two joints counts.
+all that it takes from the model: turning joint j moves the lever of joint i <= j as a whole, so dJ_i/dq_j is the
+quarter turn of J_j, and by symmetry of second derivatives the later of the two joints counts.
 """
 
 from typing import NamedTuple
