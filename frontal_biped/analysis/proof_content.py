@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from frontal_biped.exceptions import ProofError
+from frontal_biped.zero_dynamics.proof.ankle_basin import AnkleTiles, ProvedAnkleBasin
 from frontal_biped.zero_dynamics.proof.attraction import Tiles
 from frontal_biped.zero_dynamics.proof.balls import Ball, as_text, from_text
 from frontal_biped.zero_dynamics.proof.basin import BasinTiles, ProvedBasin
@@ -25,16 +26,18 @@ VERDICTS = {
     "attraction": "proved",
     "limits": "proved",
     "basin": "proved",
+    "ankle_basin": "proved",
 }
 """Parts of a file that make statements, and one of the verdicts of each."""
 
-OPTIONAL = ("imposed", "attraction", "limits", "basin")
+OPTIONAL = ("imposed", "attraction", "limits", "basin", "ankle_basin")
 """Those that a file from before they were proved does not have."""
 
 NO_IMPOSED: dict[str, Any] = {"regions": [], "discs": [], "pieces": [], "zeros": []}
 NO_ATTRACTION: dict[str, Any] = {"share": None}
 NO_LIMITS: dict[str, Any] = {"cuts": None}
 NO_BASIN: dict[str, Any] = {"tiles": None}
+NO_ANKLE_BASIN: dict[str, Any] = {"stretched": None}
 
 
 def proof_to_dict(proof: GaitProof) -> dict[str, Any]:
@@ -70,6 +73,7 @@ def proof_to_dict(proof: GaitProof) -> dict[str, Any]:
         "attraction": {"proved": far.proved.value} | _tiles_listed(far.tiles),
         "limits": _limits_listed(proof.limits),
         "basin": _basin_listed(proof.basin),
+        "ankle_basin": _ankle_basin_listed(proof.ankle_basin),
     }
 
 
@@ -111,7 +115,8 @@ def evidence_from_dict(path: Path, stored: dict[str, Any]) -> tuple[Regions, Evi
         basin = BasinTiles(float(basin["beyond"]), tuple(float(end) for end in basin["tiles"]), limited_by)
     else:
         basin = None
-    return regions, Evidence(pieces, partition, float(stored["convergence"]["radius"]), tiles, cuts, basin)
+    ankle = _ankle_tiles_read(stored.get("ankle_basin", NO_ANKLE_BASIN))
+    return regions, Evidence(pieces, partition, float(stored["convergence"]["radius"]), tiles, cuts, basin, ankle)
 
 
 def require_same(path: Path, stored: dict[str, Any], again: dict[str, Any]) -> None:
@@ -201,6 +206,26 @@ def _basin_listed(basin: ProvedBasin) -> dict[str, Any]:
         "tiles": list(basin.tiles),
         "limited_by": [basin.low_limited_by, basin.high_limited_by],
     }
+
+
+def _ankle_basin_listed(basin: ProvedAnkleBasin) -> dict[str, Any]:
+    return {
+        "proved": basin.proved.value,
+        "low": basin.low,
+        "high": basin.high,
+        "at_once": basin.at_once,
+        "steps": basin.steps,
+    } | {name: list(own) for name, own in basin.tiles._asdict().items()}
+
+
+def _ankle_tiles_read(table: dict[str, Any]) -> AnkleTiles | None:
+    if table["stretched"] is None:
+        return None
+    outwards, inwards, stretched = (
+        tuple(float(end) for end in table[name]) for name in ("outwards", "inwards", "stretched")
+    )
+    below, above = table["limited_by"]
+    return AnkleTiles(outwards, inwards, stretched, (str(below), str(above)))
 
 
 def _ball(ball: Ball) -> dict[str, str] | None:

@@ -1,5 +1,6 @@
-"""What proofs of a gait's limits and of its basin ask, as data: bounds with their tolerances, and the transitions."""
+"""What proofs of a gait's limits and of its basins ask, as data: bounds with their tolerances, transitions, the law."""
 
+from frontal_biped.control.stabilisers.ankle_law import ROOM_LOOKS, SOLE_MARGIN
 from frontal_biped.control.stabilisers.look_ahead import NEAR
 from frontal_biped.control.stabilisers.transitions import ENOUGH_INERTIA, LOOKS, REJOINS, ReanchoringTransitions
 from frontal_biped.gait.check import FLAT_TOLERANCE, ROUNDING
@@ -9,6 +10,8 @@ from frontal_biped.gait.holding_wrench import step_holding
 from frontal_biped.gait.margins import ContactMargins
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.zero_dynamics.half_steps import STRETCH, STRETCHES
+from frontal_biped.zero_dynamics.proof.ankle_steps import AnkleRule
 from frontal_biped.zero_dynamics.proof.limits import BallOrbit, Bound
 from frontal_biped.zero_dynamics.proof.perturbed_steps import PerturbedSteps, Rejoining
 from frontal_biped.zero_dynamics.proof.reversals import Tapers
@@ -47,6 +50,10 @@ def perturbed_steps(biped: FrontalBiped, gait: Gait, orbit: BallOrbit) -> Pertur
     # the last one joins at the impact, whatever it is
     rejoining = Rejoining(REJOINS[:-1], ENOUGH_INERTIA, LOOKS)
     return PerturbedSteps(orbit, tapers, rejoining, contact_bounds(biped, gait), NEAR * (1.0 - INSIDE))
+
+
+ANKLE_RULE = AnkleRule(SOLE_MARGIN, ROOM_LOOKS, STRETCH, STRETCHES)
+"""How the stabiliser "ankle" chooses, which a basin of its own is proved of."""
 
 
 def contact_bounds(biped: FrontalBiped, gait: Gait) -> list[Bound]:

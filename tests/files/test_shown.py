@@ -16,6 +16,7 @@ from frontal_biped.scenarios.expectations import Finding
 from frontal_biped.scenarios.run import TrialResult
 from frontal_biped.simulation.orbit import orbit_trajectory
 from frontal_biped.simulation.space.run import SAMPLED, SpatialRun
+from frontal_biped.zero_dynamics.proof.ankle_basin import no_ankle_basin
 from frontal_biped.zero_dynamics.proof.attraction import Attraction, Tiles
 from frontal_biped.zero_dynamics.proof.balls import arb
 from frontal_biped.zero_dynamics.proof.basin import no_basin
@@ -35,6 +36,7 @@ PROOF = GaitProof(
     Attraction(Tiles(0.0, (), ((-1.56, -1.55),), ()), Proof.PROVED),
     ProvedLimits((), None),
     no_basin("the orbit is not enclosed"),
+    no_ankle_basin("the orbit is not enclosed"),
 )
 
 

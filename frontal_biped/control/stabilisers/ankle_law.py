@@ -36,6 +36,9 @@ SOLE_MARGIN = 0.004
 SHIFT_ACCURACY = 1e-9
 """[m]"""
 
+ROOM_LOOKS = 33
+"""Points of a phase, evenly spaced in beta, at which the FRI target's room in the sole is looked at."""
+
 
 @dataclass(frozen=True)
 class AnkleLaw:
@@ -124,7 +127,7 @@ class AnkleLaw:
 
     def room(self, phase: VirtualConstraints, start: float, end: float) -> tuple[float, float]:
         """Shifts that keep the FRI target inside the sole less the margin; 0 is always allowed [m]."""
-        p: FloatArray = phase.motion(np.linspace(start, end, 33)).p_fri
+        p: FloatArray = phase.motion(np.linspace(start, end, ROOM_LOOKS)).p_fri
         outer, inner = self.biped.sole
         low, high = outer + self.margin - float(p.min()), inner - self.margin - float(p.max())
         return min(low, 0.0), max(high, 0.0)

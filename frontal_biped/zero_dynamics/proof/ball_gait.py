@@ -105,13 +105,13 @@ class BallGait:
         fri = [arb(float(x)) for x in free.rising_fri]
         fri_f = [fri[-1], *(arb(float(x)) for x in free.falling_fri)]
         return BallStep(
-            HalfStep(self.chain, up, _absolute(self.begin, up, rising), Curve.of(fri, up)),
-            HalfStep(self.chain, down, _absolute(self.end, down, falling), Curve.of(fri_f[::-1], down)),
+            HalfStep(self.chain, up, absolute_angles(self.begin, up, rising), Curve.of(fri, up)),
+            HalfStep(self.chain, down, absolute_angles(self.end, down, falling), Curve.of(fri_f[::-1], down)),
             plus[0],
         )
 
 
-def _absolute(start: Ball, span: Number, joints: list[list[Number]]) -> tuple[Curve, ...]:
+def absolute_angles(start: Ball, span: Number, joints: list[list[Number]]) -> tuple[Curve, ...]:
     """Bezier columns of the links' absolute angles, from those of the joints; beta itself is linear."""
     degree = len(joints[0]) - 1
     quarter = arb.pi() / 2

@@ -5,6 +5,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from frontal_biped.virtual_constraints.invariance import FreeParameters
+from frontal_biped.zero_dynamics.proof.ankle_basin import (
+    AnkleTiles,
+    ProvedAnkleBasin,
+    no_ankle_basin,
+    prove_ankle_basin,
+)
+from frontal_biped.zero_dynamics.proof.ankle_steps import AnkleRule, AnkleSteps
 from frontal_biped.zero_dynamics.proof.attraction import Attraction, Tiles, attraction
 from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.basin import BasinTiles, ProvedBasin, no_basin, prove_basin
@@ -44,11 +51,13 @@ class Asked(NamedTuple):
         bounds: C01 to C09.
         sole: ends of the stance sole on the h axis, (outer < 0, inner > 0) [m].
         perturbed: the steps about the orbit, whose basin is asked for.
+        ankle: how the ankle law shifts them.
     """
 
     bounds: Sequence[Bound]
     sole: tuple[float, float]
     perturbed: Callable[[BallOrbit], PerturbedSteps]
+    ankle: AnkleRule
 
 
 class Evidence(NamedTuple):
@@ -61,6 +70,7 @@ class Evidence(NamedTuple):
         tiles: likewise; None: none.
         cuts: of the panels of the orbit; None: none.
         basin: tiles; None: none.
+        ankle_basin: likewise.
     """
 
     pieces: tuple[Piece, ...]
@@ -69,6 +79,7 @@ class Evidence(NamedTuple):
     tiles: Tiles | None
     cuts: Cuts | None
     basin: BasinTiles | None
+    ankle_basin: AnkleTiles | None
 
 
 @dataclass(frozen=True)
@@ -83,6 +94,7 @@ class GaitProof:
         attraction: of successive approximation, from far.
         limits: C01 to C09 on the whole orbit.
         basin: speeds after the impact that return to it.
+        ankle_basin: those that do under the ankle law.
     """
 
     fixed: FixedZeros
@@ -92,6 +104,7 @@ class GaitProof:
     attraction: Attraction
     limits: ProvedLimits
     basin: ProvedBasin
+    ankle_basin: ProvedAnkleBasin
 
     @property
     def rows(self) -> list[tuple[str, str]]:
@@ -116,6 +129,7 @@ class GaitProof:
             self.attraction.row,
             *self.limits.rows,
             *self.basin.rows,
+            *self.ankle_basin.rows,
         ]
 
 
@@ -136,25 +150,29 @@ def prove_parameters(
     """
     gait = BallGait.of(chain, free)
     zero = nearest_zero(gait)
-    bounds, sole, _ = asked
+    bounds, sole = asked.bounds, asked.sole
     if evidence is None:
         fixed, near = fixed_zeros(gait, regions.fixed), convergence(gait, zero)
         imposed = imposed_zeros(gait, regions.imposed)
         far = attraction(gait, zero, near, imposed)
         limits = prove_limits(gait, zero, bounds, sole)
         basin = _basin(gait, zero, asked, limits.cuts)
-        return GaitProof(fixed, zero, near, imposed, far, limits, basin)
+        ankle_basin = _ankle_basin(gait, zero, asked, limits.cuts)
+        return GaitProof(fixed, zero, near, imposed, far, limits, basin, ankle_basin)
     radii = (evidence.radius,) if evidence.radius > 0.0 else ()
     fixed, near = fixed_zeros(gait, regions.fixed, evidence.pieces), convergence(gait, zero, radii)
     imposed = imposed_zeros(gait, regions.imposed, evidence.partition)
     far, limits, basin = Attraction(None, Proof.UNDECIDED), without_panels(bounds), no_basin("")
+    ankle_basin = no_ankle_basin("")
     if evidence.tiles is not None:
         far = attraction(gait, zero, near, imposed, evidence.tiles)
     if evidence.cuts is not None:
         limits = prove_limits(gait, zero, bounds, sole, evidence.cuts)
     if evidence.basin is not None:
         basin = _basin(gait, zero, asked, evidence.cuts, evidence.basin)
-    return GaitProof(fixed, zero, near, imposed, far, limits, basin)
+    if evidence.ankle_basin is not None:
+        ankle_basin = _ankle_basin(gait, zero, asked, evidence.cuts, evidence.ankle_basin)
+    return GaitProof(fixed, zero, near, imposed, far, limits, basin, ankle_basin)
 
 
 def _basin(
@@ -164,3 +182,12 @@ def _basin(
         return no_basin("the orbit is not enclosed")
     orbit = BallOrbit.of(gait, zero.reversal, asked.sole, cuts)
     return prove_basin(asked.perturbed(orbit), rests_on)
+
+
+def _ankle_basin(
+    gait: BallGait, zero: NearestZero, asked: Asked, cuts: Cuts | None, rests_on: AnkleTiles | None = None
+) -> ProvedAnkleBasin:
+    if cuts is None:
+        return no_ankle_basin("the orbit is not enclosed")
+    orbit = BallOrbit.of(gait, zero.reversal, asked.sole, cuts)
+    return prove_ankle_basin(AnkleSteps(asked.perturbed(orbit), asked.ankle), rests_on)

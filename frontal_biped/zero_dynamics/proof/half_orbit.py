@@ -210,7 +210,7 @@ class HalfOrbit:
         rows.pop(TIME)
         squares = {f"{joint} speed": rows.pop(f"{joint} speed") for joint in JOINTS}
         on_ground = path.at(arb(1)).heights
-        rows[HEIGHT] = [controls(taylor, h) for taylor, h in _lifted(panels, on_ground)]
+        rows[HEIGHT] = [controls(taylor, h) for taylor, h in lifted(panels, on_ground)]
         return cls(path, panels, rows, squares, at.L, at.W, on_ground, duration)
 
 
@@ -291,7 +291,7 @@ def _time(sigma: list[Ball], panel: Panel) -> Ball:
     return total
 
 
-def _lifted(panels: Sequence[Panel], on_ground: list[Ball]) -> Iterator[tuple[list[Ball], Ball]]:
+def lifted(panels: Sequence[Panel], on_ground: list[Ball]) -> Iterator[tuple[list[Ball], Ball]]:
     """The height of either end of the sole over the share of the way from the impact, and halves of the widths.
 
     Heights are counted from where the ends are at the impact.
@@ -317,10 +317,28 @@ def _panel(path: Path, low: Ball, high: Ball, at: Passed) -> tuple[Panel, Passed
     Raises:
         NotEnclosedError: I_P may vanish on it.
     """
-    h, Delta = (high - low) / 2, path.span
     y = _variable(low, high)
     places = path.at(y[0]), path.at(y[1])
-    places = places[0], Projected(*_narrowed_each(*places, h))
+    places = places[0], Projected(*_narrowed_each(*places, (high - low) / 2))
+    return panel_of(path, low, high, places, at)
+
+
+def panel_of(
+    path: Path | Panel, low: Ball, high: Ball, places: tuple[Projected, Projected], at: Passed
+) -> tuple[Panel, Passed]:
+    """A panel whose places are known, and what has been passed at its end.
+
+    Args:
+        path: whose robot and span they are of.
+        low: y nearer to the reversal.
+        high: y nearer to the impact.
+        places: about its centre, and about all points at once.
+        at: what has been passed where it begins.
+
+    Raises:
+        NotEnclosedError: I_P may vanish on it.
+    """
+    h, Delta, y = (high - low) / 2, path.span, _variable(low, high)
     middle, wide = (OnZ.of(place) for place in places)
     wide = OnZ(*_narrowed_each(middle, wide, h))
     slope = middle.rate * -Delta, wide.rate * -Delta

@@ -246,6 +246,10 @@ class PerturbedSteps:
         return Enclosed(min(I_P.lower() for I_P in seen), min(I_P.upper() for I_P in seen))
 
     # ------------------------------------------------------------------ limits
+    def limits_on(self, paths: dict[str, list[Controls]]) -> list[ProvedLimit]:
+        """What is proved of every bound, of rows along the pieces of the rising and of the falling phase."""
+        return [self._limit(bound, paths) for bound in self.bounds]
+
     def _limit(self, bound: Bound, paths: dict[str, list[Controls]]) -> ProvedLimit:
         row, _, phase = bound.name.rpartition(", ")
         if phase not in paths:

@@ -37,6 +37,9 @@ points of every grid too.*
 
 **Basin** (`basin`, with the proof). *From every speed after the impact in the interval given, re-anchored transitions
 return to that orbit; every step on the way exists and keeps the limits of contact and motors.*
+
+**Ankle law** (`ankle_basin`, with the proof). *From every speed after the impact in the interval given, the ankle law
+reaches that orbit in so many steps, at most; every step on the way exists and keeps those limits.*
 """
 
 from dataclasses import dataclass
