@@ -17,10 +17,10 @@ from frontal_biped.gait.file import gait_to_dict
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.disturbances import Disturbances
-from frontal_biped.simulation.event_driven import simulate_walk
+from frontal_biped.simulation.event_driven import begin_walk, simulate_walk
 from frontal_biped.simulation.pushes import Push
 from frontal_biped.simulation.settings import SimulationSettings
-from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.simulation.trajectory import COMPLETED, Trajectory
 from frontal_biped.simulation.walking import sampled_settings, start_state
 from frontal_biped.zero_dynamics.poincare import StepOrbit
 
@@ -96,14 +96,14 @@ def largest_push(
         resolution: of the impulse [N s]; a tenth of it is enough in any case.
     """
     start = time_in_step(gait.step(biped), place)
-    by = make_stabiliser(stabiliser, biped, gait)  # one for all walks: what it finds of the gait it finds once
+    push = PushedWalks(biped, gait, stabiliser, start)
     # the left foot stands first: outwards is to the left
     sign = 1.0 if direction == "outwards" else -1.0
     good, bad, steps, why = 0.0, np.inf, 0, "nothing up to the end of the search"
 
     def survives(size: float) -> bool:
         nonlocal good, bad, steps, why
-        obstacle, count = _fate(biped, gait, by, Push(start, PUSH_DURATION, sign * size))
+        obstacle, count = push.fate(sign * size)
         if obstacle:
             bad, why = size, obstacle
         else:
@@ -117,6 +117,40 @@ def largest_push(
     while np.isfinite(bad) and bad - good > max(resolution, 0.1 * good):
         survives(0.5 * (good + bad))
     return PushOutcome(instant, direction, good, steps, why)
+
+
+class PushedWalks:
+    """Walks of the gait that differ by a push at one instant of the first step: up to it they are one walk.
+
+    Args:
+        biped: the robot.
+        gait: the gait.
+        stabiliser: by name.
+        start: of the pushes [s].
+    """
+
+    def __init__(self, biped: FrontalBiped, gait: Gait, stabiliser: str, start: float) -> None:
+        self._start, self._wanted = start, gait.orbit.beta_dot_after_impact
+        self._controller = _controller(biped, gait, make_stabiliser(stabiliser, biped, gait))
+        settings = _on_its_ground(gait, STEPS_TO_DECIDE, RECORDING)
+        self._unpushed = begin_walk(biped, self._controller, start_state(gait), settings, self._recovered)
+        self._unpushed.walk_until(start)
+
+    def fate(self, impulse: float) -> tuple[str, int]:
+        """What is in the way of recovery from a push [N s], empty where nothing is; and the steps that it takes."""
+        push = Push(self._start, PUSH_DURATION, impulse)
+        walk = self._unpushed.copy(self._controller.copy(), [push])
+        outcome, speeds = walk.walk(), np.array(walk.told.speeds)
+        if outcome != COMPLETED:
+            return outcome, 0
+        if not self._recovered(speeds):
+            return f"not back within {STEPS_TO_DECIDE} steps", 0
+        late = np.flatnonzero(_off(speeds, self._wanted) > RECOVERED)
+        return "", int(late[-1]) if len(late) else 0
+
+    def _recovered(self, speeds: FloatArray) -> bool:
+        landings = speeds[1:]
+        return len(landings) >= AT_THE_GAIT and not np.any(_off(landings[-AT_THE_GAIT:], self._wanted) > RECOVERED)
 
 
 def held_walk(
@@ -144,37 +178,28 @@ def held_walk(
     Returns:
         The run; to slip and to roll over an edge are falls.
     """
-    ground = Disturbances(pushes=pushes, friction=(1.0 + HELD) * gait.specification.friction, rolls=True)
-    settings = replace(simulation_settings or SimulationSettings(), steps=steps, period=PERIOD, disturbances=ground)
+    settings = _on_its_ground(gait, steps, simulation_settings or SimulationSettings(), pushes)
     by = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
-    controller = QpController(biped, gait, sampled_settings(gait, PERIOD), by)
     start, told = start_state(gait, speed_error), gait_to_dict(gait)
-    return simulate_walk(biped, controller, start, settings, gait=told, **options)
+    return simulate_walk(biped, _controller(biped, gait, by), start, settings, gait=told, **options)
+
+
+def _on_its_ground(
+    gait: Gait, steps: int, recording: SimulationSettings, pushes: tuple[Push, ...] = ()
+) -> SimulationSettings:
+    """Settings of a walk on ground that holds what it can."""
+    ground = Disturbances(pushes=pushes, friction=(1.0 + HELD) * gait.specification.friction, rolls=True)
+    return replace(recording, steps=steps, period=PERIOD, disturbances=ground)
+
+
+def _controller(biped: FrontalBiped, gait: Gait, stabiliser: Stabiliser) -> QpController:
+    return QpController(biped, gait, sampled_settings(gait, PERIOD), stabiliser)
 
 
 def time_in_step(step: StepOrbit, place: float) -> float:
     """When a place of the step is reached, from the impact that begins it [s]; see `INSTANTS`."""
     up, down = step.rising.duration, step.falling.duration
     return place * up if place <= 1.0 else up + (place - 1.0) * down
-
-
-def _fate(biped: FrontalBiped, gait: Gait, stabiliser: Stabiliser, push: Push) -> tuple[str, int]:
-    """What is in the way of recovery, empty where nothing is; and the steps that recovery takes."""
-    wanted = gait.orbit.beta_dot_after_impact
-
-    def recovered(speeds: FloatArray) -> bool:
-        landings = speeds[1:]
-        return len(landings) >= AT_THE_GAIT and not np.any(_off(landings[-AT_THE_GAIT:], wanted) > RECOVERED)
-
-    run = held_walk(
-        biped, gait, stabiliser, push, steps=STEPS_TO_DECIDE, simulation_settings=RECORDING, enough=recovered
-    )
-    if run.fell:
-        return run.outcome, 0
-    if not recovered(run.post_impact_speeds):
-        return f"not back within {STEPS_TO_DECIDE} steps", 0
-    late = np.flatnonzero(speed_errors(run, gait) > RECOVERED)
-    return "", int(late[-1]) if len(late) else 0
 
 
 def speed_errors(run: Trajectory, gait: Gait) -> FloatArray:
