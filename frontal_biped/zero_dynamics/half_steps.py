@@ -1,8 +1,8 @@
 """The two halves of a step: rising from a landing to its reversal, falling from a reversal to its landing."""
 
 from dataclasses import dataclass
+from math import inf, isfinite, sqrt
 
-import numpy as np
 from scipy.optimize import brentq
 
 from frontal_biped.arrays import FloatArray
@@ -44,7 +44,7 @@ def falling_energy(biped: FrontalBiped, phase: VirtualConstraints, reversal: flo
     return phase_energy(biped, phase, reversal, phase.beta_end, (*phase.breaks, *above, middle))
 
 
-def rising_energy(biped: FrontalBiped, phase: RisingConstraints, dbeta: float = np.inf) -> PhaseEnergy:
+def rising_energy(biped: FrontalBiped, phase: RisingConstraints, dbeta: float = inf) -> PhaseEnergy:
     """Energy of a rising phase from its start up to the barrier, or as far as it is followed.
 
     Args:
@@ -69,8 +69,7 @@ def land_on_constraints(biped: FrontalBiped, falling: PhaseEnergy) -> Constraine
 
 def landing_at_end(biped: FrontalBiped, falling: PhaseEnergy) -> Landing:
     """The impact at the end of a falling phase, per unit of dbeta."""
-    last = falling.panels[-1]
-    return impact(biped, last.motion.q[-1], last.motion.dq[-1])
+    return impact(biped, falling.motion.q[-1], falling.motion.dq[-1])
 
 
 def speed_at_end(falling: PhaseEnergy) -> float:
@@ -81,12 +80,10 @@ def speed_at_end(falling: PhaseEnergy) -> float:
     """
     if not falling.complete:
         raise ReversalError(falling.why)
-    spent = np.concatenate([panel.spent_at for panel in falling.panels])
-    if not np.all(spent[1:] < 0.0):  # of a robot that leans the wrong way right from the start
+    if not falling.integrals.spent_at.ravel()[1:].max() < 0.0:  # of a robot that leans the wrong way from the start
         raise ReversalError("the robot stops in the falling phase")
-    last = falling.panels[-1]
-    zeta = -last.gained.item(-1) * last.spent_at.item(-1)
-    return -float(np.sqrt(2.0 * zeta)) / float(last.restricted.I_P[-1])
+    zeta = -falling.gained.item(-1) * falling.spent
+    return -sqrt(2.0 * zeta) / falling.restricted.I_P.item(-1)
 
 
 def stretch_to_reversal(biped: FrontalBiped, phase: RisingT, dbeta: float) -> RisingT:
@@ -130,5 +127,5 @@ def energy_surplus(biped: FrontalBiped, phase: VirtualConstraints, dbeta: float)
 def surplus_at_end(energy: PhaseEnergy, dbeta: float) -> float:
     """`energy_surplus` of a phase that has been integrated to its end."""
     missing = 0.0 if energy.complete else BLOCKED
-    surplus = 0.5 * (energy.start_inertia * dbeta) ** 2 - energy.panels[-1].spent_at.item(-1) + missing
-    return surplus if np.isfinite(surplus) else BLOCKED
+    surplus = 0.5 * (energy.start_inertia * dbeta) ** 2 - energy.spent + missing
+    return surplus if isfinite(surplus) else BLOCKED

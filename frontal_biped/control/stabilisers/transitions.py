@@ -153,7 +153,7 @@ class ReanchoringTransitions:
         phase = planned if as_planned else anchored_rising(planned, float(landed.q[0]), landed.q[1:], slope)
         if not self.anticipate or landed.dbeta <= 0.0:
             return phase
-        energy = self._planned_energy if as_planned else rising_energy(self.biped, phase)
+        energy = self._planned_energy if as_planned else rising_energy(self.biped, phase, landed.dbeta)
         zeta = 0.5 * (energy.start_inertia * landed.dbeta) ** 2
         if energy.end < phase.beta_end:
             return phase
