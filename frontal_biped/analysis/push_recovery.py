@@ -1,4 +1,4 @@
-"""Pushes in the full model at 1 kHz: the largest one survived at an instant of the step, by bisection.
+"""Pushes in the full model at 1 kHz: the largest one survived at an instant of the step.
 
 The ground holds what it can and no more: a stance foot slips at the gait's own coefficient of friction, and rolls over
 its edge where the FRI leaves the sole. Either is a fall, as in the closed form, which keeps every contact constraint.
@@ -45,9 +45,12 @@ RECOVERED = 0.05
 PUSHES = (64.0, 32.0, 16.0, 8.0)
 """Tried first, until one is survived; the largest is between that and the one before [N s]."""
 
+FROM_BELOW = 0.7
+"""Where in what is left of a search the next push is tried: one that fells takes a fifth of the walking of another."""
+
 PUSH_RESOLUTION = 1.0  # [N s], or a tenth of the push
 
-RECORDING = SimulationSettings(record_rate=20.0)
+RECORDING = SimulationSettings(record_rate=1.0)
 """Only the events are read."""
 
 HELD = 0.01
@@ -73,18 +76,15 @@ class PushOutcome:
     limited_by: str
 
 
-def largest_push(
+def largest_pushes(
     biped: FrontalBiped,
     gait: Gait,
     stabiliser: str,
     instant: str,
     place: float,
-    direction: str,
     resolution: float = PUSH_RESOLUTION,
-) -> PushOutcome:
-    """The largest push survived at an instant of the first step, by bisection on its impulse.
-
-    Where one is survived those below it are taken to be.
+) -> tuple[PushOutcome, ...]:
+    """The largest push survived at an instant of the first step, in each of `DIRECTIONS`.
 
     Args:
         biped: the robot.
@@ -92,18 +92,21 @@ def largest_push(
         stabiliser: by name.
         instant: what the place is called.
         place: 0 impact, 1 reversal, 2 next impact.
-        direction: "outwards" or "inwards", of the first stance foot.
         resolution: of the impulse [N s]; a tenth of it is enough in any case.
     """
-    start = time_in_step(gait.step(biped), place)
-    push = PushedWalks(biped, gait, stabiliser, start)
+    walks = PushedWalks(biped, gait, stabiliser, time_in_step(gait.step(biped), place))
+    return tuple(_largest(walks, instant, direction, resolution) for direction in DIRECTIONS)
+
+
+def _largest(walks: "PushedWalks", instant: str, direction: str, resolution: float) -> PushOutcome:
+    """In one direction; where a push is survived those below it are taken to be."""
     # the left foot stands first: outwards is to the left
     sign = 1.0 if direction == "outwards" else -1.0
     good, bad, steps, why = 0.0, np.inf, 0, "nothing up to the end of the search"
 
     def survives(size: float) -> bool:
         nonlocal good, bad, steps, why
-        obstacle, count = push.fate(sign * size)
+        obstacle, count = walks.fate(sign * size)
         if obstacle:
             bad, why = size, obstacle
         else:
@@ -114,9 +117,19 @@ def largest_push(
     for size in PUSHES:
         if survives(size):
             break
-    while np.isfinite(bad) and bad - good > max(resolution, 0.1 * good):
-        survives(0.5 * (good + bad))
+    between = push_cells(good, bad, resolution)[1:-1] if np.isfinite(bad) else []
+    while between:
+        place = int(FROM_BELOW * len(between))
+        between = between[place + 1 :] if survives(between[place]) else between[:place]
     return PushOutcome(instant, direction, good, steps, why)
+
+
+def push_cells(good: float, bad: float, resolution: float) -> list[float]:
+    """Ends of the cells in which a bisection between two pushes could end [N s], in order."""
+    if bad - good <= max(resolution, 0.1 * good):
+        return [good, bad]
+    middle = 0.5 * (good + bad)
+    return [*push_cells(good, middle, resolution), *push_cells(middle, bad, resolution)[1:]]
 
 
 class PushedWalks:
@@ -130,7 +143,7 @@ class PushedWalks:
     """
 
     def __init__(self, biped: FrontalBiped, gait: Gait, stabiliser: str, start: float) -> None:
-        self._start, self._wanted = start, gait.orbit.beta_dot_after_impact
+        self._gait, self._start = gait, start
         self._controller = _controller(biped, gait, make_stabiliser(stabiliser, biped, gait))
         settings = _on_its_ground(gait, STEPS_TO_DECIDE, RECORDING)
         self._unpushed = begin_walk(biped, self._controller, start_state(gait), settings, self._recovered)
@@ -145,12 +158,12 @@ class PushedWalks:
             return outcome, 0
         if not self._recovered(speeds):
             return f"not back within {STEPS_TO_DECIDE} steps", 0
-        late = np.flatnonzero(_off(speeds, self._wanted) > RECOVERED)
+        late = np.flatnonzero(_errors(speeds, self._gait) > RECOVERED)
         return "", int(late[-1]) if len(late) else 0
 
     def _recovered(self, speeds: FloatArray) -> bool:
-        landings = speeds[1:]
-        return len(landings) >= AT_THE_GAIT and not np.any(_off(landings[-AT_THE_GAIT:], self._wanted) > RECOVERED)
+        landings = _errors(speeds, self._gait)[1:]
+        return len(landings) >= AT_THE_GAIT and not np.any(landings[-AT_THE_GAIT:] > RECOVERED)
 
 
 def held_walk(
@@ -204,9 +217,9 @@ def time_in_step(step: StepOrbit, place: float) -> float:
 
 def speed_errors(run: Trajectory, gait: Gait) -> FloatArray:
     """(k,) relative errors of the post-impact speeds of a run, unsigned [-]."""
-    return _off(run.post_impact_speeds, gait.orbit.beta_dot_after_impact)
+    return _errors(run.post_impact_speeds, gait)
 
 
-def _off(speeds: FloatArray, wanted: float) -> FloatArray:
-    off: FloatArray = np.abs(speeds / wanted - 1.0)
-    return off
+def _errors(speeds: FloatArray, gait: Gait) -> FloatArray:
+    errors: FloatArray = np.abs(speeds / gait.orbit.beta_dot_after_impact - 1.0)
+    return errors
