@@ -1,4 +1,4 @@
-"""Pushes in the full model at 1 kHz: the largest one survived at an instant of the step, by bisection.
+"""Pushes in the full model at 1 kHz: the largest one survived at an instant of the step.
 
 The ground holds what it can and no more: a stance foot slips at the gait's own coefficient of friction, and rolls over
 its edge where the FRI leaves the sole. Either is a fall, as in the closed form, which keeps every contact constraint.
@@ -17,10 +17,10 @@ from frontal_biped.gait.file import gait_to_dict
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.disturbances import Disturbances
-from frontal_biped.simulation.event_driven import simulate_walk
+from frontal_biped.simulation.event_driven import begin_walk, simulate_walk
 from frontal_biped.simulation.pushes import Push
 from frontal_biped.simulation.settings import SimulationSettings
-from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.simulation.trajectory import COMPLETED, Trajectory
 from frontal_biped.simulation.walking import sampled_settings, start_state
 from frontal_biped.zero_dynamics.poincare import StepOrbit
 
@@ -45,9 +45,12 @@ RECOVERED = 0.05
 PUSHES = (64.0, 32.0, 16.0, 8.0)
 """Tried first, until one is survived; the largest is between that and the one before [N s]."""
 
+FROM_BELOW = 0.7
+"""Where in what is left of a search the next push is tried: one that fells takes a fifth of the walking of another."""
+
 PUSH_RESOLUTION = 1.0  # [N s], or a tenth of the push
 
-RECORDING = SimulationSettings(record_rate=20.0)
+RECORDING = SimulationSettings(record_rate=1.0)
 """Only the events are read."""
 
 HELD = 0.01
@@ -73,18 +76,15 @@ class PushOutcome:
     limited_by: str
 
 
-def largest_push(
+def largest_pushes(
     biped: FrontalBiped,
     gait: Gait,
     stabiliser: str,
     instant: str,
     place: float,
-    direction: str,
     resolution: float = PUSH_RESOLUTION,
-) -> PushOutcome:
-    """The largest push survived at an instant of the first step, by bisection on its impulse.
-
-    Where one is survived those below it are taken to be.
+) -> tuple[PushOutcome, ...]:
+    """The largest push survived at an instant of the first step, in each of `DIRECTIONS`.
 
     Args:
         biped: the robot.
@@ -92,18 +92,21 @@ def largest_push(
         stabiliser: by name.
         instant: what the place is called.
         place: 0 impact, 1 reversal, 2 next impact.
-        direction: "outwards" or "inwards", of the first stance foot.
         resolution: of the impulse [N s]; a tenth of it is enough in any case.
     """
-    start = time_in_step(gait.step(biped), place)
-    by = make_stabiliser(stabiliser, biped, gait)  # one for all walks: what it finds of the gait it finds once
+    walks = PushedWalks(biped, gait, stabiliser, time_in_step(gait.step(biped), place))
+    return tuple(_largest(walks, instant, direction, resolution) for direction in DIRECTIONS)
+
+
+def _largest(walks: "PushedWalks", instant: str, direction: str, resolution: float) -> PushOutcome:
+    """In one direction; where a push is survived those below it are taken to be."""
     # the left foot stands first: outwards is to the left
     sign = 1.0 if direction == "outwards" else -1.0
     good, bad, steps, why = 0.0, np.inf, 0, "nothing up to the end of the search"
 
     def survives(size: float) -> bool:
         nonlocal good, bad, steps, why
-        obstacle, count = _fate(biped, gait, by, Push(start, PUSH_DURATION, sign * size))
+        obstacle, count = walks.fate(sign * size)
         if obstacle:
             bad, why = size, obstacle
         else:
@@ -114,9 +117,53 @@ def largest_push(
     for size in PUSHES:
         if survives(size):
             break
-    while np.isfinite(bad) and bad - good > max(resolution, 0.1 * good):
-        survives(0.5 * (good + bad))
+    between = push_cells(good, bad, resolution)[1:-1] if np.isfinite(bad) else []
+    while between:
+        place = int(FROM_BELOW * len(between))
+        between = between[place + 1 :] if survives(between[place]) else between[:place]
     return PushOutcome(instant, direction, good, steps, why)
+
+
+def push_cells(good: float, bad: float, resolution: float) -> list[float]:
+    """Ends of the cells in which a bisection between two pushes could end [N s], in order."""
+    if bad - good <= max(resolution, 0.1 * good):
+        return [good, bad]
+    middle = 0.5 * (good + bad)
+    return [*push_cells(good, middle, resolution), *push_cells(middle, bad, resolution)[1:]]
+
+
+class PushedWalks:
+    """Walks of the gait that differ by a push at one instant of the first step: up to it they are one walk.
+
+    Args:
+        biped: the robot.
+        gait: the gait.
+        stabiliser: by name.
+        start: of the pushes [s].
+    """
+
+    def __init__(self, biped: FrontalBiped, gait: Gait, stabiliser: str, start: float) -> None:
+        self._gait, self._start = gait, start
+        self._controller = _controller(biped, gait, make_stabiliser(stabiliser, biped, gait))
+        settings = _on_its_ground(gait, STEPS_TO_DECIDE, RECORDING)
+        self._unpushed = begin_walk(biped, self._controller, start_state(gait), settings, self._recovered)
+        self._unpushed.walk_until(start)
+
+    def fate(self, impulse: float) -> tuple[str, int]:
+        """What is in the way of recovery from a push [N s], empty where nothing is; and the steps that it takes."""
+        push = Push(self._start, PUSH_DURATION, impulse)
+        walk = self._unpushed.copy(self._controller.copy(), [push])
+        outcome, speeds = walk.walk(), np.array(walk.told.speeds)
+        if outcome != COMPLETED:
+            return outcome, 0
+        if not self._recovered(speeds):
+            return f"not back within {STEPS_TO_DECIDE} steps", 0
+        late = np.flatnonzero(_errors(speeds, self._gait) > RECOVERED)
+        return "", int(late[-1]) if len(late) else 0
+
+    def _recovered(self, speeds: FloatArray) -> bool:
+        landings = _errors(speeds, self._gait)[1:]
+        return len(landings) >= AT_THE_GAIT and not np.any(landings[-AT_THE_GAIT:] > RECOVERED)
 
 
 def held_walk(
@@ -144,12 +191,22 @@ def held_walk(
     Returns:
         The run; to slip and to roll over an edge are falls.
     """
-    ground = Disturbances(pushes=pushes, friction=(1.0 + HELD) * gait.specification.friction, rolls=True)
-    settings = replace(simulation_settings or SimulationSettings(), steps=steps, period=PERIOD, disturbances=ground)
+    settings = _on_its_ground(gait, steps, simulation_settings or SimulationSettings(), pushes)
     by = make_stabiliser(stabiliser, biped, gait) if isinstance(stabiliser, str) else stabiliser
-    controller = QpController(biped, gait, sampled_settings(gait, PERIOD), by)
     start, told = start_state(gait, speed_error), gait_to_dict(gait)
-    return simulate_walk(biped, controller, start, settings, gait=told, **options)
+    return simulate_walk(biped, _controller(biped, gait, by), start, settings, gait=told, **options)
+
+
+def _on_its_ground(
+    gait: Gait, steps: int, recording: SimulationSettings, pushes: tuple[Push, ...] = ()
+) -> SimulationSettings:
+    """Settings of a walk on ground that holds what it can."""
+    ground = Disturbances(pushes=pushes, friction=(1.0 + HELD) * gait.specification.friction, rolls=True)
+    return replace(recording, steps=steps, period=PERIOD, disturbances=ground)
+
+
+def _controller(biped: FrontalBiped, gait: Gait, stabiliser: Stabiliser) -> QpController:
+    return QpController(biped, gait, sampled_settings(gait, PERIOD), stabiliser)
 
 
 def time_in_step(step: StepOrbit, place: float) -> float:
@@ -158,30 +215,11 @@ def time_in_step(step: StepOrbit, place: float) -> float:
     return place * up if place <= 1.0 else up + (place - 1.0) * down
 
 
-def _fate(biped: FrontalBiped, gait: Gait, stabiliser: Stabiliser, push: Push) -> tuple[str, int]:
-    """What is in the way of recovery, empty where nothing is; and the steps that recovery takes."""
-    wanted = gait.orbit.beta_dot_after_impact
-
-    def recovered(speeds: FloatArray) -> bool:
-        landings = speeds[1:]
-        return len(landings) >= AT_THE_GAIT and not np.any(_off(landings[-AT_THE_GAIT:], wanted) > RECOVERED)
-
-    run = held_walk(
-        biped, gait, stabiliser, push, steps=STEPS_TO_DECIDE, simulation_settings=RECORDING, enough=recovered
-    )
-    if run.fell:
-        return run.outcome, 0
-    if not recovered(run.post_impact_speeds):
-        return f"not back within {STEPS_TO_DECIDE} steps", 0
-    late = np.flatnonzero(speed_errors(run, gait) > RECOVERED)
-    return "", int(late[-1]) if len(late) else 0
-
-
 def speed_errors(run: Trajectory, gait: Gait) -> FloatArray:
     """(k,) relative errors of the post-impact speeds of a run, unsigned [-]."""
-    return _off(run.post_impact_speeds, gait.orbit.beta_dot_after_impact)
+    return _errors(run.post_impact_speeds, gait)
 
 
-def _off(speeds: FloatArray, wanted: float) -> FloatArray:
-    off: FloatArray = np.abs(speeds / wanted - 1.0)
-    return off
+def _errors(speeds: FloatArray, gait: Gait) -> FloatArray:
+    errors: FloatArray = np.abs(speeds / gait.orbit.beta_dot_after_impact - 1.0)
+    return errors

@@ -34,7 +34,7 @@ STEPS = 60
 """Steps after which a slow return is given up."""
 
 KEPT = 64
-"""Rising phases whose energy is kept at most."""
+"""Rising phases that are remembered at most."""
 
 FIRST_PROBE, WIDENING = 0.02, 1.4
 """Search of a basin: relative speed error tried first on either side, and the factor from one to the next."""
@@ -98,7 +98,7 @@ class RestrictedMap:
     def __init__(self, biped: FrontalBiped, gait: Gait, stabiliser: Stabiliser) -> None:
         self.biped, self.gait, self.stabiliser = biped, gait, stabiliser
         self.limits = ContactMargins(biped, gait)
-        self._energies: dict[int, tuple[RisingConstraints, PhaseEnergy]] = {}
+        self._energies: dict[int, tuple[RisingConstraints, PhaseEnergy | None]] = {}
 
     def start(self, speed_ratio: float = 1.0) -> ConstrainedState:
         """After the impact of the gait, its speed multiplied."""
@@ -113,7 +113,7 @@ class RestrictedMap:
             ReversalError: there is none; the message says why.
         """
         rising = self.stabiliser.rising(start)
-        up = self._energy(rising)
+        up = self._energy(rising, start.dbeta)
         reversal = up.reversal(start.dbeta)
         falling = self.stabiliser.falling(rising, reversal)
         down = falling_energy(self.biped, falling, reversal)
@@ -123,13 +123,19 @@ class RestrictedMap:
         width = float(self.biped.joint_positions(q_minus)[3, 0])
         return RestrictedStep(start, reversal, rising, falling, landed, width, tuple(margins))
 
-    def _energy(self, rising: RisingConstraints) -> PhaseEnergy:
-        """Of a rising phase: the same object is met again at landings as planned, and its energy serves all speeds."""
+    def _energy(self, rising: RisingConstraints, dbeta: float) -> PhaseEnergy:
+        """Of a rising phase begun with dbeta [rad/s], as far as it takes the robot.
+
+        The same object is met again at landings as planned: from then on its energy is kept, and serves all speeds.
+        """
         if id(rising) not in self._energies:
             if len(self._energies) == KEPT:
                 self._energies.clear()
-            self._energies[id(rising)] = (rising, rising_energy(self.biped, rising))  # kept, it keeps its id
-        return self._energies[id(rising)][1]
+            self._energies[id(rising)] = (rising, None)  # kept, it keeps its id
+            return rising_energy(self.biped, rising, dbeta)
+        energy = self._energies[id(rising)][1] or rising_energy(self.biped, rising)
+        self._energies[id(rising)] = (rising, energy)
+        return energy
 
     def speed_ratio(self, landed: ConstrainedState) -> float:
         """Post-impact speed relative to the gait's [-]."""

@@ -42,7 +42,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frontal_biped.analysis.push_recovery import (
-    DIRECTIONS,
     INSTANTS,
     PUSH_RESOLUTION,
     RECORDING,
@@ -50,7 +49,7 @@ from frontal_biped.analysis.push_recovery import (
     STEPS_TO_DECIDE,
     PushOutcome,
     held_walk,
-    largest_push,
+    largest_pushes,
     speed_errors,
 )
 from frontal_biped.analysis.return_map import Basin, RestrictedMap
@@ -191,9 +190,8 @@ def robustness_card(
             (fixed_basin, (biped, gait)) if name == "fixed" else (summarise_map, (biped, gait, name, samples))
         )
     for instant, place in instants:
-        for direction in DIRECTIONS:
-            case = (biped, gait, push_stabiliser, instant, place, direction, push_resolution)
-            parts[f"largest push {direction}, {instant}"] = (largest_push, case)
+        case = (biped, gait, push_stabiliser, instant, place, push_resolution)
+        parts[f"largest pushes, {instant}"] = (largest_pushes, case)
     results = _compute(parts, executor, on_progress or (lambda _: None))
     basins: dict[str, Basin] = {}
     maps: dict[str, MapSummary] = {}
@@ -212,7 +210,7 @@ def robustness_card(
         barrier_margin=energy.highest / own - 1.0,
         sampled_maps={name: found.samples for name, found in maps.items()},
         push_stabiliser=push_stabiliser,
-        pushes=tuple(found for found in results.values() if isinstance(found, PushOutcome)),
+        pushes=tuple(push for instant, _ in instants for push in results[f"largest pushes, {instant}"]),
     )
 
 

@@ -114,6 +114,13 @@ class QpController:
             StepPhase.FALLING: gait.falling,
         }
 
+    def copy(self) -> "QpController":
+        """A controller that has been told what this one has, and goes on by itself."""
+        twin = QpController(self.biped, self.gait, self.settings, self.stabiliser)
+        twin.counts, twin.declined, twin._last = {**self.counts}, self.declined, self._last
+        twin._rising, twin._phases = self._rising, {**self._phases}
+        return twin
+
     @property
     def ticks(self) -> int:
         """Commands given."""

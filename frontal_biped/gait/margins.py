@@ -71,7 +71,7 @@ class ContactMargins:
     def rising(self, energy: PhaseEnergy, dbeta: float, reversal: float) -> list[Margin]:
         """Along a rising phase begun with dbeta [rad/s], up to its reversal [rad]."""
         zeta = 0.5 * (energy.start_inertia * dbeta) ** 2
-        return self._along("rising", energy, zeta, reversal, energy.panels[0].start)
+        return self._along("rising", energy, zeta, reversal, energy.start)
 
     def falling(self, energy: PhaseEnergy, reversal: float) -> list[Margin]:
         """Along a falling phase from its reversal [rad], and at the impact.
@@ -89,16 +89,11 @@ class ContactMargins:
             energy: of the phase.
             zeta: at its start [kg^2 m^4/s^2].
         """
-        parts = []
-        for panel in energy.panels:
-            left = panel.left(zeta)
-            moving = left >= 0.0
-            if not np.any(moving):
-                break
-            parts.append((panel.forces(left)[:, moving], panel.restricted.p_fri[moving]))
-        if not parts:
+        left = energy.left(zeta)
+        moving = left >= 0.0
+        if not np.any(moving):
             return 0.0
-        forces, p_fri = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
+        forces, p_fri = energy.forces(left)[:, moving], energy.restricted.p_fri[moving]
         if np.any(forces[F_V] <= 0.0):
             return float("inf")
         limits = phase_limits(self.biped, self.limits, forces, p_fri, "rising")
@@ -107,19 +102,14 @@ class ContactMargins:
 
     def _along(self, name: str, energy: PhaseEnergy, zeta: float, reversal: float, foot_end: float) -> list[Margin]:
         """Contact constraints along a phase; ``foot_end`` is where the swing foot is on the ground [rad]."""
-        parts = []
-        for panel in energy.panels:
-            inside = panel.motion.q[:, 0] <= reversal + ROUNDING
-            if not np.any(inside):
-                break
-            forces = panel.forces(panel.left(zeta))
-            parts.append((panel.motion.q[inside].T, forces[:, inside], panel.restricted.p_fri[inside]))
-        q, forces, p_fri = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
-        way, whole = q[0] - foot_end, reversal - foot_end
+        inside = energy.motion.q[:, 0] <= reversal + ROUNDING
+        q, p_fri = energy.motion.q[inside], energy.restricted.p_fri[inside]
+        forces = energy.forces(energy.left(zeta))[:, inside]
+        way, whole = q[:, 0] - foot_end, reversal - foot_end
         # a robot that turns back where it begins has no way along which a foot could have lifted
         share = way / whole if whole > ROUNDING else np.zeros_like(way)
         lifted = share > LIFTED
-        heights = sole_heights(self.biped, q.T[lifted])
+        heights = sole_heights(self.biped, q[lifted])
         limits = phase_limits(self.biped, self.limits, forces, p_fri, name)
         clearance = clearance_limit(self.limits, heights, share[lifted], name)
         rooms = {

@@ -34,7 +34,9 @@ class ManyStates:
 
 def _behind(foot: FloatArray, joints: FloatArray) -> FloatArray:
     """(m, b + 4) the same (b,) before every row of (m, 4)."""
-    return np.concatenate([np.broadcast_to(foot, (len(joints), len(foot))), joints], axis=1)
+    rows = np.empty((len(joints), len(foot) + joints.shape[1]))
+    rows[:, : len(foot)], rows[:, len(foot) :] = foot, joints
+    return rows
 
 
 def _rows(function: object, pool: pin.ModelPool, *arrays: FloatArray) -> FloatArray:

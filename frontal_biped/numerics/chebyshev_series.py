@@ -1,6 +1,6 @@
 """Chebyshev series on an interval: interpolation, and integration from either end."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -43,38 +43,35 @@ class Series:
             before, last = coefficient - last, before + 2.0 * place * last
         return before + place * last
 
-    def at_places(self, sense: float) -> FloatArray:
-        """(DEGREE + 1,) its values where a panel is sampled, upwards (sense > 0) or downwards; of an `integral`."""
-        return (_AT_PLACES if sense > 0.0 else _AT_PLACES_DOWNWARDS) @ self.coefficients
-
     @cached_property
     def _downwards(self) -> list[float]:
         """Coefficients from the highest degree on; at least two."""
         coefficients: list[float] = self.coefficients[::-1].tolist()
         return coefficients
 
-    def __add__(self, constant: float) -> "Series":
-        moved = self.coefficients.copy()
-        moved[0] += constant
-        return replace(self, coefficients=moved)
 
-    def __neg__(self) -> "Series":
-        return replace(self, coefficients=-self.coefficients)
+def integrals(samples: FloatArray, upwards: bool) -> FloatArray:
+    """(m, DEGREE + 2) series of the integrals of interpolants on [-1, 1], from where each begins.
+
+    Args:
+        samples: (m, DEGREE + 1) at `PLACES`, in the order from its beginning to its end.
+        upwards: does the order go up, from -1, or down, from 1?
+    """
+    return samples @ (_UPWARDS if upwards else _DOWNWARDS)
 
 
-def integral(samples: FloatArray, a: float, b: float) -> Series:
-    """Integral from a of the interpolant of samples given in the order from a to b."""
-    half = 0.5 * abs(b - a)
-    return Series(half * (_UPWARDS if b > a else _DOWNWARDS) @ samples, 0.5 * (a + b), half)
+def at_places(series: FloatArray, upwards: bool) -> FloatArray:
+    """(m, DEGREE + 1) values of `integrals` where they are sampled, in the same order."""
+    return series @ (_AT_PLACES if upwards else _AT_PLACES_DOWNWARDS)
 
 
 def _integration_matrix(sense: int) -> FloatArray:
-    """(DEGREE + 2, DEGREE + 1) from samples in the order of the motion to the series of their integral on [-1, 1]."""
+    """(DEGREE + 1, DEGREE + 2) from samples in the order of the motion to the series of their integral on [-1, 1]."""
     # DCT order: from the upper end of the domain down
     coefficients = dct(np.eye(DEGREE + 1)[::-sense], type=1, axis=0) / DEGREE
     coefficients[[0, -1]] *= 0.5
-    return np.asarray(chebint(coefficients, lbnd=-sense, axis=0), dtype=float)
+    return np.ascontiguousarray(chebint(coefficients, lbnd=-sense, axis=0).T)
 
 
 _UPWARDS, _DOWNWARDS = _integration_matrix(+1), _integration_matrix(-1)
-_AT_PLACES, _AT_PLACES_DOWNWARDS = chebvander(PLACES, DEGREE + 1), chebvander(-PLACES, DEGREE + 1)
+_AT_PLACES, _AT_PLACES_DOWNWARDS = (chebvander(places, DEGREE + 1).T.copy() for places in (PLACES, -PLACES))

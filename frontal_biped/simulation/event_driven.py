@@ -18,13 +18,13 @@ from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
 from frontal_biped.simulation.continuous import follow_phase
-from frontal_biped.simulation.loop import TIMED_OUT, Steps, run_sampled
-from frontal_biped.simulation.motors import Motors
+from frontal_biped.simulation.loop import Steps
 from frontal_biped.simulation.pushes import PushForces
 from frontal_biped.simulation.recorder import Recorder
 from frontal_biped.simulation.rigid import RigidEngine
+from frontal_biped.simulation.sampled_walk import SampledWalk
 from frontal_biped.simulation.settings import SimulationSettings
-from frontal_biped.simulation.state_fed import StateFed, Told
+from frontal_biped.simulation.state_fed import Told
 from frontal_biped.simulation.trajectory import Trajectory
 
 
@@ -60,27 +60,50 @@ def simulate_walk(
         The run; a fall is an outcome, not an error.
     """
     chosen = settings or SimulationSettings()
-    engine, recorder = RigidEngine(biped, errors, chosen), Recorder()
-    pushes = PushForces(chosen.disturbances.pushes)
-    steps = Steps(engine, chosen.steps, chosen.landing_heights, pushes, recorder, on_step)
-    engine.place(stance, start)
-    steps.start(stance)
-    told = Told(engine, controller, steps, pushes, recorder, enough)
-    if chosen.period is None:
-        outcome = _run_continuously(told, chosen)
-    else:
-        motors = Motors(chosen.disturbances, chosen.period, biped.max_torque)
-        pilot = StateFed(told, chosen, motors)
-        outcome = run_sampled(engine, pilot, motors, pushes, chosen.period)
-        if outcome == TIMED_OUT:
-            pilot.record()
+    recorder, pushes = Recorder(), PushForces(chosen.disturbances.pushes)
+    told = _standing(biped, controller, start, chosen, pushes, recorder, errors, stance, on_step, enough)
+    sampled = chosen.period is not None
+    outcome = SampledWalk(told, pushes, chosen).walk() if sampled else _run_continuously(told, chosen)
     stored = {
         **asdict(chosen),
         "disturbances": chosen.disturbances.as_dict(),
         "errors": None if errors is None else errors.as_dict(),
         "controller": dict(controller_settings or {}),
     }
-    return recorder.finish(biped.name, outcome, steps.count, gait or {}, stored)
+    return recorder.finish(biped.name, outcome, told.steps.count, gait or {}, stored)
+
+
+def begin_walk(
+    biped: FrontalBiped,
+    controller: Controller,
+    start: State,
+    settings: SimulationSettings,
+    enough: Callable[[FloatArray], bool] | None = None,
+) -> SampledWalk:
+    """A sampled walk that begins right after an impact, to be walked as far as wanted; arguments of `simulate_walk`."""
+    recorder, pushes = Recorder(), PushForces(settings.disturbances.pushes)
+    told = _standing(biped, controller, start, settings, pushes, recorder, enough=enough)
+    return SampledWalk(told, pushes, settings)
+
+
+def _standing(
+    biped: FrontalBiped,
+    controller: Controller,
+    start: State,
+    settings: SimulationSettings,
+    pushes: PushForces,
+    recorder: Recorder,
+    errors: ModelErrors | None = None,
+    stance: Stance = Stance.LEFT,
+    on_step: Callable[[int], None] | None = None,
+    enough: Callable[[FloatArray], bool] | None = None,
+) -> Told:
+    """The robot in its first state, and what tells its controller of the walk."""
+    engine = RigidEngine(biped, errors, settings)
+    steps = Steps(engine, settings.steps, settings.landing_heights, pushes, recorder, on_step)
+    engine.place(stance, start)
+    steps.start(stance)
+    return Told(engine, controller, steps, pushes, recorder, enough)
 
 
 def _run_continuously(told: Told, settings: SimulationSettings) -> str:

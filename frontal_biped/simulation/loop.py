@@ -66,13 +66,23 @@ class Mover(Protocol[Pushes]):
         """Under held joint torques (n,) [N m] from t to ``end`` [s], or to the first event the engine tells of."""
 
 
-def run_sampled(engine: Mover[Pushes], pilot: Pilot, motors: Motors, pushes: Pushes, period: float) -> str:
+def run_sampled(
+    engine: Mover[Pushes], pilot: Pilot, motors: Motors, pushes: Pushes, period: float, tick: int = 0
+) -> str:
     """Walk until the pilot is content or the robot has fallen.
+
+    Args:
+        engine: moves the robot.
+        pilot: decides.
+        motors: between the two.
+        pushes: that act.
+        period: of control [s].
+        tick: with which to begin, or to go on.
 
     Returns:
         `COMPLETED`, or what made the robot fall.
     """
-    tick, t = 0, 0.0
+    t = tick * period
     while True:
         now, end = tick * period, (tick + 1) * period
         decision = pilot.decide(now)
@@ -141,6 +151,12 @@ class Steps:
     def complete(self) -> bool:
         """Are there as many as wanted?"""
         return self.count >= self._wanted
+
+    def continued(self, world: World, pushes: PushTimes[Any], recorder: EventRecorder) -> "Steps":
+        """The same steps of a copy of the walk, which go on by themselves."""
+        twin = Steps(world, self._wanted, self._heights, pushes, recorder, self._on_step)
+        twin.count, twin.since = self.count, self.since
+        return twin
 
     def start(self, stance: Stance) -> None:
         """The walk begins right after an impact."""

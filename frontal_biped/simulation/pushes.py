@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, Protocol, Self, TypeVar
 
 import numpy as np
 import pinocchio as pin
@@ -114,6 +114,14 @@ class PushTimes(Generic[AnyPush]):
     def __init__(self, pushes: Sequence[AnyPush]) -> None:
         self._pushes = tuple(pushes)
         self._origin: list[float | None] = [0.0 if push.step is None else None for push in pushes]
+        self._phases: list[tuple[float, int, StepPhase]] = []
+
+    def replaced(self, pushes: Sequence[AnyPush]) -> Self:
+        """Other pushes in the same run, as if they had been its from the start."""
+        others = type(self)(pushes)
+        for begun in self._phases:
+            others.begin(*begun)
+        return others
 
     @property
     def any(self) -> bool:
@@ -122,6 +130,7 @@ class PushTimes(Generic[AnyPush]):
 
     def begin(self, t: float, step: int, phase: StepPhase) -> None:
         """A phase of a step (from 0) begins at time t [s]; only its first beginning counts."""
+        self._phases.append((t, step, phase))
         for i, push in enumerate(self._pushes):
             if self._origin[i] is None and push.step == step and push.phase == phase.value:
                 self._origin[i] = t

@@ -24,6 +24,12 @@ class Recorder:
         self._events = Rows(("t", "step", "state"))
         self._kinds: list[str] = []
 
+    def copy(self) -> "Recorder":
+        """What is recorded so far, to go on with."""
+        twin = Recorder()
+        twin._rows, twin._events, twin._kinds = self._rows.copy(), self._events.copy(), [*self._kinds]
+        return twin
+
     def sample(
         self,
         t: float,

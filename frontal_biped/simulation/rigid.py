@@ -1,5 +1,7 @@
 """The hybrid system as an engine: rigid impacts, located events, one foot on the ground ([O] eq. hybridsystem)."""
 
+from copy import copy
+
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
@@ -60,6 +62,14 @@ class RigidEngine:
         self._foot_y = {stance: first_foothold(self.plant.on(stance), stance, state.q)}
         self._turns = 0
         self._guard()
+
+    def copy(self) -> "RigidEngine":
+        """The robot where it is, to move on by itself; states and torques are values, and shared."""
+        twin = copy(self)
+        twin._motion = {side: motion.copy() for side, motion in self._motion.items()}
+        twin.motion = twin._motion[self.stance]
+        twin._ground, twin._next_ground = {**self._ground}, {**self._next_ground}
+        return twin
 
     @property
     def guards(self) -> Guards:

@@ -38,6 +38,13 @@ class Rows:
         for name, blocks in self._columns.items():
             blocks.append(values[name])
 
+    def copy(self) -> "Rows":
+        """The rows so far, to which others may be added."""
+        self._close()
+        twin = Rows(self._columns)
+        twin._columns = {name: [*blocks] for name, blocks in self._columns.items()}
+        return twin
+
     def _close(self) -> None:
         """No more rows into the last block."""
         if self._room:

@@ -96,6 +96,12 @@ class StanceMotion:
         self._known, self._stage = np.zeros((6, joints)), np.zeros((2, joints))  # of a step: see `RungeKutta`
         self._first, self._two, self._three = (self._known[:count] for count in (3, 4, 5))
 
+    def copy(self) -> "StanceMotion":
+        """The same motion under torques of its own."""
+        twin = StanceMotion(self.biped, self.stance)
+        twin.u, twin.pushes = self.u, self.pushes
+        return twin
+
     def feel(self, pushes: PushForces, t: float) -> None:
         """Take what acts at time t [s]."""
         self.pushes = [(along_h(force, self.stance), height) for force, height in pushes.at(t)]

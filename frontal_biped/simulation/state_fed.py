@@ -5,6 +5,7 @@ chain from stance to swing foot, the coordinates such a controller speaks.
 """
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.answers import check_answer
 from frontal_biped.control.interface import Controller, many_at_once
-from frontal_biped.exceptions import ControllerError
+from frontal_biped.exceptions import ControllerError, SimulationError
 from frontal_biped.model.state import State
 from frontal_biped.simulation.engine import Move
 from frontal_biped.simulation.hybrid_system import EventKind
@@ -60,6 +61,9 @@ class Told:
         recorder: of samples and events.
         enough: may the walk end after these post-impact speeds (k,) [rad/s], the start's first? Default: never before
             its last step.
+
+    Attributes:
+        speeds: post-impact speeds so far, the start's first [rad/s].
     """
 
     def __init__(
@@ -73,7 +77,20 @@ class Told:
     ) -> None:
         self.engine, self.controller, self.steps = engine, controller, steps
         self._pushes, self._recorder, self._enough = pushes, recorder, enough
-        self._speeds = [float(engine.state.dq[0])]
+        self.speeds = [float(engine.state.dq[0])]
+
+    def continued(self, controller: Controller, pushes: PushForces) -> "Told":
+        """A copy of the walk that goes on by itself, under other pushes.
+
+        Args:
+            controller: one that has been told what this one has.
+            pushes: of the copy.
+        """
+        engine, recorder = self.engine.copy(), self._recorder.copy()
+        steps = self.steps.continued(engine, pushes, recorder)
+        twin = Told(engine, controller, steps, pushes, recorder, self._enough)
+        twin.speeds = [*self.speeds]
+        return twin
 
     def segment(self, t: float) -> Segment:
         """The phase that begins at time t [s]."""
@@ -146,8 +163,8 @@ class Told:
         if event is EventKind.IMPACT:
             self._recorder.event(t, EventKind.IMPACT, steps.count - 1, self.engine.state)
             steps.announce()
-            self._speeds.append(float(self.engine.state.dq[0]))
-            if self._enough is not None and self._enough(np.array(self._speeds)):
+            self.speeds.append(float(self.engine.state.dq[0]))
+            if self._enough is not None and self._enough(np.array(self.speeds)):
                 return COMPLETED
         return COMPLETED if steps.complete else None
 
@@ -171,6 +188,20 @@ class StateFed:
         self._observer = NoisyEncoders(self._engine.biped, Sensors(settings.disturbances), *state) if noisy else None
         self._segment = told.segment(0.0)
         told.controller.begin(self._engine.phase, *self._perceived)
+
+    def continued(self, told: Told, motors: Motors) -> "StateFed":
+        """The pilot of a copy of the walk.
+
+        Raises:
+            SimulationError: an observer watches noisy sensors; it is not copied.
+        """
+        if self._observer is not None:
+            raise SimulationError("a walk with noisy sensors cannot be continued in copies")
+        twin, segment = copy(self), self._segment
+        twin._told, twin._engine, twin._motors = told, told.engine, motors
+        motion, so_far = told.engine.motion, ([*segment.t], [*segment.states], [*segment.u])
+        twin._segment = Segment(segment.phase, motion, segment.stance_y, *so_far)
+        return twin
 
     @property
     def since(self) -> float:

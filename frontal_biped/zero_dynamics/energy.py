@@ -9,25 +9,35 @@ constraints change form. A rising robot reverses where R reaches zeta+.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 from scipy.optimize import brentq
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import ReversalError
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.numerics.chebyshev_series import PLACES, Series, integral
+from frontal_biped.numerics.chebyshev_series import PLACES, Series, at_places, integrals
 from frontal_biped.virtual_constraints.contract import VirtualConstraints
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion
 from frontal_biped.zero_dynamics.restricted import ProjectedDynamics, RestrictedDynamics, on_constraints, restrict
 
+Kind = TypeVar("Kind", np.float64, np.bool_)
+
 LARGEST_EXPONENT = 200.0
 """Bound on the change of Gamma over a panel; a gait's is below 1."""
 
+NEAR = 2
+"""Panels past the planned end that are looked at together where a speed says that not all will be passed."""
+
 BARRIER = "the centre of mass is over the FRI there, the energy barrier"
+
+_SHARES = 0.5 + 0.5 * PLACES
+_SHARES[[0, -1]] = 1e-12, 1.0 - 1e-12
 
 
 @dataclass(frozen=True)
@@ -37,71 +47,107 @@ class Panel:
     Attributes:
         start: beta where it begins [rad].
         end: beta where it ends [rad].
-        motion: the virtual constraints at its Chebyshev points, in the order of the motion.
-        restricted: the scalar dynamics there.
         growth: Gamma over [start, end].
         spent: R over [start, end] [kg^2 m^4/s^2].
-        spent_at: (n,) R at the Chebyshev points, in the order of the motion [kg^2 m^4/s^2].
     """
 
     start: float
     end: float
-    motion: ConstrainedMotion
-    restricted: RestrictedDynamics
     growth: Series
     spent: Series
+
+
+class Integrals(NamedTuple):
+    """Gamma and R on panels that follow one another.
+
+    Attributes:
+        growth: (p, DEGREE + 2) Chebyshev series of Gamma.
+        spent: (p, DEGREE + 2) of R [kg^2 m^4/s^2].
+        growth_at: (p, DEGREE + 1) Gamma at the Chebyshev points, in the order of the motion.
+        spent_at: (p, DEGREE + 1) R there [kg^2 m^4/s^2].
+    """
+
+    growth: FloatArray
+    spent: FloatArray
+    growth_at: FloatArray
     spent_at: FloatArray
-
-    @cached_property
-    def gained(self) -> FloatArray:
-        """(n,) exp(Gamma) at the Chebyshev points [-]."""
-        return np.exp(self.growth.at_places(self.end - self.start))
-
-    def left(self, zeta: float) -> FloatArray:
-        """(n,) what is left of zeta at the start of the phase [kg^2 m^4/s^2]; negative past a reversal."""
-        return self.gained * (zeta - self.spent_at)
-
-    def forces(self, left: FloatArray) -> FloatArray:
-        """(7, n) rows F_h, F_v [N], N_0, u_1..u_4 [N m] where zeta is ``left`` (n,) [kg^2 m^4/s^2]."""
-        return self.restricted.forces(2.0 * np.maximum(left, 0.0) / self.restricted.I_P**2)
 
 
 @dataclass(frozen=True)
 class PhaseEnergy:
-    """Gamma and R of one phase.
+    """Gamma and R of one phase, on p panels in the order of the motion.
 
     Attributes:
-        panels: in the order of the motion.
+        edges: (p + 1,) beta where the panels end [rad].
+        motion: the virtual constraints at the Chebyshev points of the panels, (p (DEGREE + 1), ..).
+        restricted: the scalar dynamics there.
+        integrals: Gamma and R.
         complete: was the asked end reached?
         reaches_barrier: did it stop at the top of the energy barrier?
         why: what stopped it otherwise.
     """
 
-    panels: tuple[Panel, ...]
+    edges: list[float]
+    motion: ConstrainedMotion
+    restricted: RestrictedDynamics
+    integrals: Integrals
     complete: bool
     reaches_barrier: bool
     why: str
 
     @property
-    def start_inertia(self) -> float:
-        """I_P where the phase begins [kg m^2]."""
-        return float(self.panels[0].restricted.I_P[0])
+    def start(self) -> float:
+        """Beta where the phase begins [rad]."""
+        return self.edges[0]
 
     @property
     def end(self) -> float:
         """Beta where the panels end [rad]."""
-        return self.panels[-1].end
+        return self.edges[-1]
 
-    @cached_property
+    @property
+    def start_inertia(self) -> float:
+        """I_P where the phase begins [kg m^2]."""
+        return self.restricted.I_P.item(0)
+
+    @property
     def highest(self) -> float:
         """Largest R, the energy barrier as far as it was followed [kg^2 m^4/s^2]."""
-        return max(panel.spent_at.item(-1) for panel in self.panels)
+        return self.integrals.spent_at[:, -1].max().item()
+
+    @property
+    def spent(self) -> float:
+        """R at the end [kg^2 m^4/s^2]."""
+        return self.integrals.spent_at.item(-1)
+
+    @cached_property
+    def gained(self) -> FloatArray:
+        """(n,) exp(Gamma) at the Chebyshev points [-]."""
+        return np.exp(self.integrals.growth_at.ravel())
+
+    def left(self, zeta: float) -> FloatArray:
+        """(n,) what is left of zeta at the start of the phase [kg^2 m^4/s^2]; negative past a reversal."""
+        return self.gained * (zeta - self.integrals.spent_at.ravel())
+
+    def forces(self, left: FloatArray) -> FloatArray:
+        """(7, n) rows F_h, F_v [N], N_0, u_1..u_4 [N m] where zeta is ``left`` (n,) [kg^2 m^4/s^2]."""
+        return self.restricted.forces(2.0 * np.maximum(left, 0.0) / self.restricted.I_P**2)
+
+    @property
+    def panels(self) -> tuple[Panel, ...]:
+        """In the order of the motion."""
+        return tuple(self._panel(k) for k in range(len(self.edges) - 1))
+
+    def _panel(self, k: int) -> Panel:
+        start, end = self.edges[k : k + 2]
+        on = 0.5 * (start + end), 0.5 * abs(end - start)
+        return Panel(start, end, Series(self.integrals.growth[k], *on), Series(self.integrals.spent[k], *on))
 
     def at(self, beta: float) -> tuple[float, float]:
         """Gamma and R at beta."""
-        for panel in self.panels:
-            low, high = sorted((panel.start, panel.end))
-            if low <= beta <= high:
+        for k, ends in enumerate(pairwise(self.edges)):
+            if min(ends) <= beta <= max(ends):
+                panel = self._panel(k)
                 return panel.growth.at(beta), panel.spent.at(beta)
         raise ReversalError(f"beta = {beta:.6g} rad is outside the phase")
 
@@ -111,19 +157,14 @@ class PhaseEnergy:
         Raises:
             ReversalError: I_P is not positive somewhere.
         """
-        panels: list[Panel] = []
-        gamma = energy = 0.0
-        for panel in self.panels:
-            old = panel.restricted
-            restricted = RestrictedDynamics(old.projected, old.p_fri + shift, old.dp_fri)
-            if np.any(restricted.I_P <= 0.0):
-                raise ReversalError("I_P vanishes there")
-            new = _panel(panel.start, panel.end, panel.motion, restricted, gamma, energy)
-            if new is None:
-                raise ReversalError("I_P all but vanishes there")
-            panels.append(new)
-            gamma, energy = new.growth.at(panel.end), new.spent_at.item(-1)
-        return PhaseEnergy(tuple(panels), self.complete, self.reaches_barrier, self.why)
+        old = self.restricted
+        restricted = RestrictedDynamics(old.projected, old.p_fri + shift, old.dp_fri)
+        if not restricted.I_P.min() > 0.0:
+            raise ReversalError("I_P vanishes there")
+        moved = _integrals(self.edges, restricted)
+        if len(moved.spent) + 1 < len(self.edges):
+            raise ReversalError("I_P all but vanishes there")
+        return replace(self, restricted=restricted, integrals=moved)
 
     def reversal(self, dbeta: float) -> float:
         """Where a rising phase begun with dbeta [rad/s] reverses [rad].
@@ -134,8 +175,9 @@ class PhaseEnergy:
         if dbeta <= 0.0:
             raise ReversalError("the robot does not rise after the impact")
         zeta = 0.5 * (self.start_inertia * dbeta) ** 2
-        for panel in self.panels:
-            if panel.spent_at.item(-1) >= zeta:
+        for k, spent in enumerate(self.integrals.spent_at[:, -1].tolist()):
+            if spent >= zeta:
+                panel = self._panel(k)
 
                 def left(x: float, panel: Panel = panel) -> float:
                     return panel.spent.at(x) - zeta
@@ -178,89 +220,151 @@ def phase_energy(
         {b for b in breaks if min(start, end) + 1e-13 < b < max(start, end) - 1e-13}, key=lambda b: sense * b
     )
     edges = [start, *inner, end]
-    panels: list[Panel] = []
-    gamma = energy = 0.0
-    # where nothing stops it the phase goes through all panels, one that rises through those up to its planned end
-    together = sum(sense * edge < sense * phase.beta_end for edge in edges[:-1]) if to_barrier else len(edges) - 1
-    for (a, b), (motion, restricted) in zip(pairwise(edges), _samples(biped, phase, edges, together), strict=False):
-        bad = restricted.I_P <= 0.0
-        over = restricted.drive >= 0.0 if to_barrier else np.zeros_like(bad)
-        why = "I_P vanishes there" if np.any(bad) else BARRIER
-        if np.any(bad | over):
-            reached = _last_good(biped, phase, a, b, to_barrier)
-            if abs(reached - a) < 1e-9:
-                return _finish(panels, why)
-            motion, restricted = _sample(biped, phase, a, reached)
-            if np.any(restricted.I_P <= 0.0):
-                return _finish(panels, why)
-        else:
-            reached = b
-        panel = _panel(a, reached, motion, restricted, gamma, energy)
-        if panel is None:  # I_P is so small that the exponential overflows
-            return _finish(panels, why)
-        panels.append(panel)
-        gamma, energy = panel.growth.at(reached), panel.spent_at.item(-1)
-        if reached != b:
-            return _finish(panels, why)
-        if energy >= 0.5 * (panels[0].restricted.I_P[0] * dbeta) ** 2:
-            break
-    return PhaseEnergy(tuple(panels), panels[-1].end == end, False, "that is as far as was looked")
-
-
-def _panel(
-    start: float, end: float, motion: ConstrainedMotion, restricted: RestrictedDynamics, gamma: float, energy: float
-) -> Panel | None:
-    """A panel that goes on from Gamma and R so far; None where they overflow."""
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        rate = restricted.rate
-        if not np.all(np.isfinite(rate)) or np.max(np.abs(rate)) * abs(end - start) > LARGEST_EXPONENT:
-            return None
-        growth = integral(rate, start, end) + gamma
-        weighted = np.exp(-growth.at_places(end - start)) * restricted.drive
-        if not np.all(np.isfinite(weighted)):
-            return None
-        spent = -integral(weighted, start, end) + energy
-    return Panel(start, end, motion, restricted, growth, spent, spent.at_places(end - start))
-
-
-def _finish(panels: list[Panel], why: str) -> PhaseEnergy:
-    if not panels:
+    count = planned = len(edges) - 1
+    if to_barrier:  # what rises goes through all panels up to its planned end, and with a known speed not far beyond
+        planned = sum(sense * edge < sense * phase.beta_end for edge in edges[:-1])
+    near = planned + (NEAR if np.isfinite(dbeta) else 0)
+    cuts = sorted({0, planned, min(near, count), count})
+    why, pieces = "", list[_Piece]()
+    for piece, why in _pieces(biped, phase, [edges[a : b + 1] for a, b in pairwise(cuts)], to_barrier):
+        if piece is not None:
+            pieces.append(piece)
+            enough = piece.integrals.spent_at[:, -1] >= 0.5 * (pieces[0].restricted.I_P[0] * dbeta) ** 2
+            if not why and enough.any():
+                pieces[-1] = piece.first(int(enough.argmax()) + 1)
+                break
+    if not pieces:
         raise ReversalError("I_P is not positive, or the centre of mass is over the FRI, where the phase begins")
-    return PhaseEnergy(tuple(panels), False, why == BARRIER, why)
+    whole = _joined(pieces)
+    complete = not why and whole.edges[-1] == end
+    return PhaseEnergy(*whole, complete, why == BARRIER, why or "that is as far as was looked")
 
 
-def _samples(
-    biped: FrontalBiped, phase: VirtualConstraints, edges: Sequence[float], together: int
-) -> Iterator[tuple[ConstrainedMotion, RestrictedDynamics]]:
-    """Panel after panel between edges, the first of them evaluated together."""
-    if together > 1:
-        beta = np.concatenate([_places(a, b) for a, b in pairwise(edges[: together + 1])])
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            motion, restricted = on_constraints(biped, phase, beta)
-        for begin in range(0, len(beta), len(PLACES)):
-            part = slice(begin, begin + len(PLACES))
-            own = ProjectedDynamics(*(rows[:, part] for rows in restricted.projected))
-            yield (
-                ConstrainedMotion(*(values[part] for values in motion)),
-                RestrictedDynamics(own, restricted.p_fri[part], restricted.dp_fri[part]),
-            )
-        edges = edges[together:]
-    for a, b in pairwise(edges):
-        yield _sample(biped, phase, a, b)
+class _Piece(NamedTuple):
+    """Panels that follow one another: fields as of `PhaseEnergy`."""
+
+    edges: list[float]
+    motion: ConstrainedMotion
+    restricted: RestrictedDynamics
+    integrals: Integrals
+
+    def first(self, count: int) -> "_Piece":
+        """The first panels."""
+        integrals = Integrals(*(rows[:count] for rows in self.integrals))
+        return _Piece(self.edges[: count + 1], *_first(count, self.motion, self.restricted), integrals)
+
+
+def _joined(pieces: list[_Piece]) -> _Piece:
+    if len(pieces) == 1:
+        return pieces[0]
+    edges = [pieces[0].edges[0], *(edge for piece in pieces for edge in piece.edges[1:])]
+    motion = ConstrainedMotion(*map(np.concatenate, zip(*(piece.motion for piece in pieces), strict=True)))
+    parts = [piece.restricted.projected for piece in pieces]
+    projected = ProjectedDynamics(*(np.concatenate(part, axis=1) for part in zip(*parts, strict=True)))
+    integrals = Integrals(*map(np.concatenate, zip(*(piece.integrals for piece in pieces), strict=True)))
+    return _Piece(edges, motion, RestrictedDynamics(projected, motion.p_fri, motion.dp_fri), integrals)
+
+
+def _first(
+    count: int, motion: ConstrainedMotion, restricted: RestrictedDynamics
+) -> tuple[ConstrainedMotion, RestrictedDynamics]:
+    """At the points of the first panels."""
+    some = slice(count * len(PLACES))
+    projected = ProjectedDynamics(*(rows[:, some] for rows in restricted.projected))
+    return (
+        ConstrainedMotion(*(values[some] for values in motion)),
+        RestrictedDynamics(projected, restricted.p_fri[some], restricted.dp_fri[some]),
+    )
+
+
+def _pieces(
+    biped: FrontalBiped, phase: VirtualConstraints, groups: Sequence[list[float]], to_barrier: bool
+) -> Iterator[tuple[_Piece | None, str]]:
+    """Panels between edges, group after group, each evaluated together; and why it ends there, if that is early."""
+    before: Integrals | None = None
+    for edges in groups:
+        motion, restricted = _sample(biped, phase, edges)
+        bad = restricted.I_P <= 0.0
+        over = bad | (restricted.drive >= 0.0) if to_barrier else bad
+        free = _panelwise(over).any(axis=1).argmax().item() if over.any() else len(edges) - 1
+        if free:
+            piece = _piece(edges[: free + 1], motion, restricted, before)
+            yield piece, ""
+            if piece is None or len(piece.edges) <= free:  # I_P is so small that the exponential overflows
+                yield None, BARRIER
+                return
+            before = piece.integrals
+        if free < len(edges) - 1:
+            why = "I_P vanishes there" if _panelwise(bad)[free].any() else BARRIER
+            begin = edges[free]
+            reached = _last_good(biped, phase, begin, edges[free + 1], to_barrier)
+            last = None
+            if abs(reached - begin) >= 1e-9:
+                motion, restricted = _sample(biped, phase, [begin, reached])
+                if not np.any(restricted.I_P <= 0.0):
+                    last = _piece([begin, reached], motion, restricted, before)
+            yield last, why
+            return
+
+
+def _piece(
+    edges: list[float], motion: ConstrainedMotion, restricted: RestrictedDynamics, before: Integrals | None
+) -> _Piece | None:
+    """Panels between edges, given at their points and perhaps further ones; as many as do not overflow."""
+    integrals = _integrals(edges, restricted, before)
+    count = len(integrals.spent)
+    if not count:
+        return None
+    if len(restricted.p_fri) > count * len(PLACES):
+        motion, restricted = _first(count, motion, restricted)
+    return _Piece(edges[: count + 1], motion, restricted, integrals)
+
+
+def _integrals(edges: list[float], restricted: RestrictedDynamics, before: Integrals | None = None) -> Integrals:
+    """Gamma and R on panels that go on from others; on the first of them only where they overflow."""
+    count = len(edges) - 1
+    lengths = np.abs(np.diff(edges))[:, None]
+    half, upwards = 0.5 * lengths, edges[-1] > edges[0]
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        rate, drive = (_panelwise(values)[:count] for values in (restricted.rate, restricted.drive))
+        growth = integrals(rate, upwards)
+        growth *= half
+        growth_at = _follow(growth, upwards, None if before is None else before.growth_at)
+        weighted = np.exp(-growth_at) * drive
+        fine = (np.abs(rate) * lengths <= LARGEST_EXPONENT) & np.isfinite(weighted)
+        spent = integrals(weighted, upwards)
+        spent *= -half
+        spent_at = _follow(spent, upwards, None if before is None else before.spent_at)
+    found = Integrals(growth, spent, growth_at, spent_at)
+    return found if fine.all() else Integrals(*(rows[: fine.all(axis=1).argmin()] for rows in found))
+
+
+def _follow(series: FloatArray, upwards: bool, before: FloatArray | None) -> FloatArray:
+    """Let each integral begin where the last one ended; their values."""
+    values = at_places(series, upwards)
+    begin = np.cumsum(values[:, -1])
+    begin -= values[:, -1]
+    if before is not None:
+        begin += before[-1, -1]
+    series[:, 0] += begin
+    values += begin[:, None]
+    return values
+
+
+def _panelwise(values: npt.NDArray[Kind]) -> npt.NDArray[Kind]:
+    """(p, DEGREE + 1) values along a phase (n,)."""
+    return values.reshape(-1, len(PLACES))
 
 
 def _sample(
-    biped: FrontalBiped, phase: VirtualConstraints, a: float, b: float
+    biped: FrontalBiped, phase: VirtualConstraints, edges: list[float]
 ) -> tuple[ConstrainedMotion, RestrictedDynamics]:
+    """The phase at the points of panels between edges, their ends a hair inside: a break belongs to its panel."""
+    ends = np.array(edges)
+    start, length = ends[:-1, None], np.diff(ends)[:, None]
+    beta = start + length * _SHARES
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return on_constraints(biped, phase, _places(a, b))
-
-
-def _places(a: float, b: float) -> FloatArray:
-    """Chebyshev points of a panel from a to b, its ends a hair inside, so that a break belongs to it."""
-    beta: FloatArray = 0.5 * (a + b) + 0.5 * (b - a) * PLACES
-    beta[0], beta[-1] = a + 1e-12 * (b - a), b - 1e-12 * (b - a)
-    return beta
+        return on_constraints(biped, phase, beta.ravel())
 
 
 def _last_good(biped: FrontalBiped, phase: VirtualConstraints, a: float, b: float, to_barrier: bool) -> float:

@@ -94,7 +94,7 @@ class FrontalEnergy:
         # from zeta at the reversal to zeta after the next impact: of rest it makes the orbit's, or what the gait does
         landing, last = landing_at_end(biped, down), down.panels[-1]
         growth = float(np.exp(last.growth(last.end)))
-        ratio = float(landing.speed_ratio) * up.start_inertia / float(last.restricted.I_P[-1])
+        ratio = float(landing.speed_ratio) * up.start_inertia / float(down.restricted.I_P[-1])
         self._gain = growth * ratio**2
         self._after_rest = 0.5 * (up.start_inertia * float(landing.speed_ratio) * speed_at_end(down)) ** 2
 

@@ -1,8 +1,10 @@
 """The two halves of a step: rising from a landing to its reversal, falling from a reversal to its landing."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache, partial
+from math import ceil, inf, isfinite, sqrt
 
-import numpy as np
 from scipy.optimize import brentq
 
 from frontal_biped.arrays import FloatArray
@@ -17,6 +19,9 @@ SURPLUS_ACCURACY = 1e-4
 
 STRETCH, STRETCHES = 0.15, 40
 """Steps by which the end of a phase is moved outwards, relative to its range, and how many."""
+
+UNDOUBTED = 0.01
+"""Share of the first value that the lowest of a row keeps, where the parabola is believed that none is lower."""
 
 BLOCKED = 1e4
 """Surplus where the phase does not reach its end [kg^2 m^4/s^2]."""
@@ -44,7 +49,7 @@ def falling_energy(biped: FrontalBiped, phase: VirtualConstraints, reversal: flo
     return phase_energy(biped, phase, reversal, phase.beta_end, (*phase.breaks, *above, middle))
 
 
-def rising_energy(biped: FrontalBiped, phase: RisingConstraints, dbeta: float = np.inf) -> PhaseEnergy:
+def rising_energy(biped: FrontalBiped, phase: RisingConstraints, dbeta: float = inf) -> PhaseEnergy:
     """Energy of a rising phase from its start up to the barrier, or as far as it is followed.
 
     Args:
@@ -69,8 +74,7 @@ def land_on_constraints(biped: FrontalBiped, falling: PhaseEnergy) -> Constraine
 
 def landing_at_end(biped: FrontalBiped, falling: PhaseEnergy) -> Landing:
     """The impact at the end of a falling phase, per unit of dbeta."""
-    last = falling.panels[-1]
-    return impact(biped, last.motion.q[-1], last.motion.dq[-1])
+    return impact(biped, falling.motion.q[-1], falling.motion.dq[-1])
 
 
 def speed_at_end(falling: PhaseEnergy) -> float:
@@ -81,12 +85,10 @@ def speed_at_end(falling: PhaseEnergy) -> float:
     """
     if not falling.complete:
         raise ReversalError(falling.why)
-    spent = np.concatenate([panel.spent_at for panel in falling.panels])
-    if not np.all(spent[1:] < 0.0):  # of a robot that leans the wrong way right from the start
+    if not falling.integrals.spent_at.ravel()[1:].max() < 0.0:  # of a robot that leans the wrong way from the start
         raise ReversalError("the robot stops in the falling phase")
-    last = falling.panels[-1]
-    zeta = -last.gained.item(-1) * last.spent_at.item(-1)
-    return -float(np.sqrt(2.0 * zeta)) / float(last.restricted.I_P[-1])
+    zeta = -falling.gained.item(-1) * falling.spent
+    return -sqrt(2.0 * zeta) / falling.restricted.I_P.item(-1)
 
 
 def stretch_to_reversal(biped: FrontalBiped, phase: RisingT, dbeta: float) -> RisingT:
@@ -101,18 +103,35 @@ def stretch_to_reversal(biped: FrontalBiped, phase: RisingT, dbeta: float) -> Ri
         dbeta: after the landing [rad/s].
     """
 
+    @cache
     def surplus(end: float) -> float:
         return energy_surplus(biped, phase.stretched(end), dbeta)
 
-    end = phase.beta_end
-    if surplus(end) <= SURPLUS_ACCURACY:
+    if surplus(phase.beta_end) <= SURPLUS_ACCURACY:
         return phase
-    for _ in range(STRETCHES):
-        longer = end + STRETCH * phase.range
-        if surplus(longer) <= 0.0:
-            return phase.stretched(float(brentq(surplus, end, longer, xtol=1e-12)))
-        end = longer
-    return phase
+    ends = [phase.beta_end + k * STRETCH * phase.range for k in range(STRETCHES + 1)]
+    k = first_not_positive([partial(surplus, end) for end in ends])
+    return phase if k is None else phase.stretched(float(brentq(surplus, ends[k - 1], ends[k], xtol=1e-12)))
+
+
+def first_not_positive(values: Sequence[Callable[[], float]]) -> int | None:
+    """Place of the first value that is not positive, in a row that begins with a positive one; None: there is none.
+
+    Stretched, a phase takes an energy that is all but quadratic in its end. The parabola through the first three values
+    says where to look; where it does not hold they are looked at one by one.
+    """
+    start, *near = (value() for value in values[:3])
+    bend = start - 2.0 * near[0] + near[1]
+    slope = near[0] - start - 0.5 * bend
+    under = slope * slope - 2.0 * bend * start
+    if min(near) > 0.0 and bend > 0.0 > slope:
+        lowest = min(round(-slope / bend), len(values) - 1)
+        if under < 0.0 and values[lowest]() > UNDOUBTED * start:
+            return None
+        place = ceil(2.0 * start / (sqrt(max(under, 0.0)) - slope))
+        if under >= 0.0 and place < len(values) and values[place]() <= 0.0 < values[place - 1]():
+            return place
+    return next((place for place, value in enumerate(values) if value() <= 0.0), None)
 
 
 def energy_surplus(biped: FrontalBiped, phase: VirtualConstraints, dbeta: float) -> float:
@@ -130,5 +149,5 @@ def energy_surplus(biped: FrontalBiped, phase: VirtualConstraints, dbeta: float)
 def surplus_at_end(energy: PhaseEnergy, dbeta: float) -> float:
     """`energy_surplus` of a phase that has been integrated to its end."""
     missing = 0.0 if energy.complete else BLOCKED
-    surplus = 0.5 * (energy.start_inertia * dbeta) ** 2 - energy.panels[-1].spent_at.item(-1) + missing
-    return surplus if np.isfinite(surplus) else BLOCKED
+    surplus = 0.5 * (energy.start_inertia * dbeta) ** 2 - energy.spent + missing
+    return surplus if isfinite(surplus) else BLOCKED

@@ -5,7 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from frontal_biped.analysis.push_recovery import PERIOD, PUSH_DURATION, held_walk, largest_push, time_in_step
+from frontal_biped.analysis.push_recovery import (
+    PERIOD,
+    PUSH_DURATION,
+    PUSH_RESOLUTION,
+    held_walk,
+    largest_pushes,
+    push_cells,
+    time_in_step,
+)
 from frontal_biped.simulation import Disturbances, Push, SimulationSettings
 from frontal_biped.simulation.hybrid_system import EventKind
 from frontal_biped.simulation.rigid import BEYOND_SOLE
@@ -13,7 +21,7 @@ from frontal_biped.simulation.walking import simulate
 
 EVERY_TICK = SimulationSettings(record_rate=1.0 / PERIOD)
 
-PUSHED = ("just after the impact", 0.02, "outwards")
+PUSHED = ("just after the impact", 0.02)
 
 
 def shove(biped, gait, impulse, place=PUSHED[1]):
@@ -55,7 +63,7 @@ def test_the_friction_is_the_gaits_own(biped, robust_gait):
 
 @pytest.mark.slow
 def test_the_largest_push_keeps_the_fri_in_the_sole(biped, robust_gait):
-    found = largest_push(biped, robust_gait, "ankle", *PUSHED)
+    found = largest_pushes(biped, robust_gait, "ankle", *PUSHED)[0]
     assert found.limited_by == EventKind.ROLLED.value
     assert found.impulse < 16.0
     run = held_walk(
@@ -80,3 +88,15 @@ def test_a_walk_that_is_enough_ends_there_and_is_the_start_of_the_longer_one(bip
     assert (short.steps_completed, whole.steps_completed) == (1, 2)
     np.testing.assert_array_equal(short.q, whole.q[: len(short.q)])
     np.testing.assert_array_equal(short.post_impact_speeds, whole.post_impact_speeds[:2])
+
+
+@pytest.mark.parametrize("ends", [(0.0, 8.0), (8.0, 16.0), (16.0, 32.0), (32.0, 64.0)])
+def test_cells_of_pushes_are_where_a_bisection_ends(ends):
+    cells = push_cells(*ends, PUSH_RESOLUTION)
+    assert (cells[0], cells[-1]) == ends
+    for edge in np.linspace(*ends, 100, endpoint=False):
+        good, bad = ends
+        while bad - good > max(PUSH_RESOLUTION, 0.1 * good):
+            middle = 0.5 * (good + bad)
+            good, bad = (middle, bad) if middle <= edge else (good, middle)
+        assert bad == cells[cells.index(good) + 1]

@@ -41,7 +41,7 @@ def test_energy_along_the_rising_phase_is_the_orbits(biped, gait):
     expected = resample(biped, gait.rising, orbit, tau)
     zeta_plus = 0.5 * (energy.start_inertia * gait.orbit.beta_dot_after_impact) ** 2
     for beta, zeta in zip(expected.beta, expected.zeta, strict=True):
-        gamma, spent = energy.at(min(max(beta, energy.panels[0].start), gait.beta_reversal))
+        gamma, spent = energy.at(min(max(beta, energy.start), gait.beta_reversal))
         assert np.exp(gamma) * (zeta_plus - spent) == pytest.approx(zeta, rel=1e-8, abs=1e-8 * zeta_plus)
     assert energy.reversal(gait.orbit.beta_dot_after_impact) == pytest.approx(gait.beta_reversal, abs=1e-9)
 

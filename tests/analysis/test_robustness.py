@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from frontal_biped.analysis.push_recovery import RECOVERED, held_walk, largest_push
+from frontal_biped.analysis.push_recovery import RECOVERED, held_walk, largest_pushes
 from frontal_biped.analysis.return_map import Basin, RestrictedMap
 from frontal_biped.analysis.robustness import (
     FIXED_ERRORS,
@@ -78,7 +78,7 @@ def test_card_of_worker_processes_is_the_same(biped, robust_gait, card: Robustne
 
 @pytest.mark.slow
 def test_largest_push_is_survived_and_a_larger_one_is_not(biped, robust_gait):
-    found = largest_push(biped, robust_gait, "ankle", "at the reversal", 1.0, "outwards")
+    found = largest_pushes(biped, robust_gait, "ankle", "at the reversal", 1.0)[0]
     assert found.impulse > 10.0
     assert found.limited_by
     start = robust_gait.step(biped).rising.duration

@@ -44,7 +44,7 @@ def constraints(biped, gait, energies):
     """The constraints of the design at the points of the panels, by name; of phases that end where the foot lifts."""
 
     def tau(energy, end):
-        beta = np.concatenate([panel.motion.q[:, 0] for panel in energy.panels])
+        beta = energy.motion.q[:, 0]
         beta = beta[beta <= gait.beta_reversal]
         return np.unique(np.clip((gait.beta_reversal - beta) / (gait.beta_reversal - end), 0.0, 1.0) ** 0.5)
 
@@ -133,7 +133,7 @@ def test_reserves_of_a_plan_are_no_limits_of_the_contact(biped, gait, energies, 
 def test_a_robot_that_turns_back_where_it_begins_has_a_room(biped, gait, energies):
     """Its foot never lifts: nothing is asked of the swing foot, and everything else of the one point there is."""
     rising, _ = energies
-    at_once = ContactMargins(biped, gait).rising(rising, gait.orbit.beta_dot_after_impact, rising.panels[0].start)
+    at_once = ContactMargins(biped, gait).rising(rising, gait.orbit.beta_dot_after_impact, rising.start)
     rooms = {margin.name: margin.value for margin in at_once}
     assert rooms.pop("swing foot clearance, rising") == np.inf
     assert np.isfinite(list(rooms.values())).all()

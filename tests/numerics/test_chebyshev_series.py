@@ -4,33 +4,28 @@ import numpy as np
 import pytest
 from numpy.polynomial.chebyshev import chebval
 
-from frontal_biped.numerics.chebyshev_series import DEGREE, PLACES, Series, integral
+from frontal_biped.numerics.chebyshev_series import DEGREE, PLACES, Series, at_places, integrals
 
 ROUNDING = 1e-14
 
 
-@pytest.fixture(params=[(0.3, 1.1), (1.1, 0.3)], ids=["upwards", "downwards"])
-def ends(request):
-    return request.param
+LENGTHS = np.array([0.8, 0.3])
+"""Of two intervals that begin at `FROM`."""
+
+FROM = 0.3
 
 
-def places(a, b):
-    return 0.5 * (a + b) + 0.5 * (b - a) * PLACES
-
-
-def test_integral_of_a_smooth_function(ends):
-    """Of cosine it is sine, from either end."""
-    a, b = ends
-    series = integral(np.cos(places(a, b)), a, b)
-    x = np.linspace(a, b, 7)
-    assert series(x) == pytest.approx(np.sin(x) - np.sin(a), abs=ROUNDING)
-
-
-def test_values_where_it_was_sampled(ends):
-    """In the order of the samples, whichever way they went."""
-    a, b = ends
-    series = integral(np.exp(places(a, b)), a, b)
-    assert series.at_places(b - a) == pytest.approx(np.exp(places(a, b)) - np.exp(a), abs=10.0 * ROUNDING)
+@pytest.mark.parametrize("sense", [1.0, -1.0], ids=["upwards", "downwards"])
+def test_integrals_of_a_smooth_function(sense):
+    """Of cosine it is sine, from either end, and of each interval its own; where it was sampled, and in between."""
+    ends = FROM + sense * LENGTHS
+    places = 0.5 * (FROM + ends)[:, None] + 0.5 * sense * LENGTHS[:, None] * PLACES
+    found = 0.5 * LENGTHS[:, None] * integrals(np.cos(places), sense > 0.0)
+    assert at_places(found, sense > 0.0) == pytest.approx(np.sin(places) - np.sin(FROM), abs=ROUNDING)
+    for series, end in zip(found, ends, strict=True):
+        x = np.linspace(FROM, end, 7)
+        on = Series(series, 0.5 * (FROM + end), 0.5 * abs(end - FROM))
+        assert on(x) == pytest.approx(np.sin(x) - np.sin(FROM), abs=ROUNDING)
 
 
 def test_one_value_at_a_time():

@@ -24,7 +24,7 @@ from frontal_biped.virtual_constraints.anchoring import (
     with_ends,
 )
 from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
-from frontal_biped.virtual_constraints.phase import Phase
+from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase
 from frontal_biped.virtual_constraints.piecewise import ContinuedPhase
 from frontal_biped.zero_dynamics.energy import PhaseEnergy
 from frontal_biped.zero_dynamics.half_steps import ConstrainedState, rising_energy, stretch_to_reversal
@@ -153,7 +153,7 @@ class ReanchoringTransitions:
         phase = planned if as_planned else anchored_rising(planned, float(landed.q[0]), landed.q[1:], slope)
         if not self.anticipate or landed.dbeta <= 0.0:
             return phase
-        energy = self._planned_energy if as_planned else rising_energy(self.biped, phase)
+        energy = self._planned_energy if as_planned else rising_energy(self.biped, phase, landed.dbeta)
         zeta = 0.5 * (energy.start_inertia * landed.dbeta) ** 2
         if energy.end < phase.beta_end:
             return phase
@@ -200,12 +200,13 @@ class ReanchoringTransitions:
         """The falling phase that begins where the rising one ends, to a final pose (3,) [rad] at beta [rad]."""
         planned = self.gait.falling
         at = rising.motion(np.array([rising.beta_end]))
-        start = planned.motion(np.array([planned.beta_start]))
+        start = self._planned_reversal
         moved = max(
             abs(rising.beta_end - planned.beta_start),
-            float(np.max(np.abs(at.q[0] - start.q[0]))),
-            float(np.max(np.abs(at.dq[0] - start.dq[0]))) * abs(planned.range),
-            float(np.max(np.abs(np.append(pose, beta) - np.append(planned.joint_bezier[:, -1], planned.beta_end)))),
+            np.abs(at.q - start.q).max().item(),
+            np.abs(at.dq - start.dq).max().item() * abs(planned.range),
+            abs(beta - planned.beta_end),
+            np.abs(pose - planned.joint_bezier[:, -1]).max().item(),
         )
         if moved > AS_PLANNED:
             slope, p_fri = at.dq[0, 1:], float(at.p_fri[0])
@@ -213,7 +214,9 @@ class ReanchoringTransitions:
         return planned
 
     def _rejoin_of(self, planned: Phase, rising: RisingConstraints, reversal: float) -> float:
-        floor = ENOUGH_INERTIA * self._least_inertia(planned, planned.beta_start)
+        as_planned = planned is self.gait.falling
+        own = self._planned_inertia if as_planned else self._least_inertia(planned, planned.beta_start)
+        floor = ENOUGH_INERTIA * own
         best, most = REJOINS[0], -np.inf
         for rejoin in REJOINS:
             least = self._least_inertia(anchored_falling(planned, rising, reversal, rejoin), reversal)
@@ -222,6 +225,14 @@ class ReanchoringTransitions:
             if least >= floor:
                 break
         return best
+
+    @cached_property
+    def _planned_reversal(self) -> ConstrainedMotion:
+        return self.gait.falling.motion(np.array([self.gait.falling.beta_start]))
+
+    @cached_property
+    def _planned_inertia(self) -> float:
+        return self._least_inertia(self.gait.falling, self.gait.falling.beta_start)
 
     def _least_inertia(self, phase: VirtualConstraints, start: float) -> float:
         """Smallest I_P of a falling phase [kg m^2]."""
