@@ -29,6 +29,7 @@ from frontal_biped.cli.surroundings import FORESEEN, open_streams, quieten_libra
 from frontal_biped.exceptions import FrontalBipedError, Interruption
 from frontal_biped.files.names import require_utf8_name
 from frontal_biped.files.spelling import respelt
+from frontal_biped.numerics.threads import one_thread
 from frontal_biped.version import __version__
 
 
@@ -77,6 +78,7 @@ def _run(words: Sequence[str]) -> int:
     try:
         open_streams()
         quieten_libraries()
+        one_thread()
         return _status(words)
     except KeyboardInterrupt as stop:
         return _interrupted(stop)
