@@ -1,6 +1,7 @@
 """`frontal-biped demo`."""
 
 import argparse
+import gc
 
 from frontal_biped.cli.arguments import add_json, add_robot, add_value, folder
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
@@ -29,6 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     from frontal_biped.model.catalogue import load_robot
 
     biped = load_robot(arguments.robot)
+    gc.freeze()  # what is imported stays: to look through it again and again takes as long as to draw a figure
     with Progress("demo:") as progress:
         report = make_demo(biped, arguments.out, on_progress=progress.update, prove=arguments.prove)
     emit(arguments, report.as_dict(), str(report))

@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import gc
 import shlex
 import signal
 import sys
@@ -29,6 +30,7 @@ from frontal_biped.cli.surroundings import FORESEEN, open_streams, quieten_libra
 from frontal_biped.exceptions import FrontalBipedError, Interruption
 from frontal_biped.files.names import require_utf8_name
 from frontal_biped.files.spelling import respelt
+from frontal_biped.numerics.threads import one_thread
 from frontal_biped.version import __version__
 
 
@@ -68,6 +70,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as stop:  # between two lines of this function
         status = _interrupted(stop)
     silence()
+    if argv is None:
+        gc.freeze()  # memory goes with the process; to look for garbage in all of it first takes up to half a second
     return status
 
 
@@ -77,6 +81,7 @@ def _run(words: Sequence[str]) -> int:
     try:
         open_streams()
         quieten_libraries()
+        one_thread()
         return _status(words)
     except KeyboardInterrupt as stop:
         return _interrupted(stop)

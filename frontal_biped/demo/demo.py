@@ -49,6 +49,7 @@ MAP_SAMPLES = 7
 DRAWN_MAP_SAMPLES = 25  # of the map in the figure: its corners are seen
 PUSH_RESOLUTION = 8.0  # [N s]
 CONTINUOUS = SimulationSettings(rtol=1e-8, atol=1e-10)  # 20 steps repeat to some 1e-10, far inside 1e-7
+PARTS = 6  # that another process may do
 SPEED_ERROR_STEPS = 3  # the decay by the multiplier shows after a few
 
 Say = Callable[[str], None]
@@ -112,7 +113,7 @@ def _compute(
         raise DesignFailedError(f"{biped.name}: {design.message}")
     gait = design.gait
     # work goes to a process on every other processor; what none has begun when the rest is done is done here
-    with worker_processes(max(1, len(os.sched_getaffinity(0)) - 1)) as executor:
+    with worker_processes(min(max(1, len(os.sched_getaffinity(0)) - 1), PARTS), copies=True) as executor:
         robust_card = _Shared(executor, _robust_card, biped, SHOWN_STABILISERS[-1:], SHOWN_PUSHES)
         card = _Shared(executor, _card, biped, gait, SHOWN_STABILISERS)
         compared = _Shared(executor, _compare_periods, biped, gait)

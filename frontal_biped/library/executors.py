@@ -10,31 +10,43 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor
+from pathlib import Path
 from types import FrameType, TracebackType
 from typing import ParamSpec, TypeVar
 
 from frontal_biped.exceptions import Interruption, LibraryError
 from frontal_biped.files.extras import missing_extra
 from frontal_biped.files.signals import SIGNALS
+from frontal_biped.numerics.threads import one_thread
 
 P = ParamSpec("P")
 T = TypeVar("T")
-
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""Variables by which OpenMP, OpenBLAS and MKL are told how many threads to use; read as a process starts."""
 
 PATIENCE = 5.0
 """How long a worker that is told to stop may take for it before it is killed [s]."""
 
 
-def worker_processes(count: int) -> ProcessPoolExecutor:
+def worker_processes(count: int, *, copies: bool = False) -> ProcessPoolExecutor:
     """Executor of local processes, each on one thread; they end with the process that started them, however it ends.
 
     Used in a ``with`` statement, an error or Ctrl+C in the block stops them at once; what they were writing is removed.
+
+    Args:
+        count: of the processes.
+        copies: may they begin as copies of this process, with all that it has imported? That saves each of them a
+            second and more. Where a copy is not safe they start afresh all the same.
     """
-    for name in THREADS:
-        os.environ.setdefault(name, "1")  # inherited: the matrices are too small for a second thread
-    return _WorkerProcesses(count, mp_context=multiprocessing.get_context("spawn"), initializer=_begin)
+    one_thread()  # inherited
+    method = "fork" if copies and can_be_copied() else "spawn"
+    return _WorkerProcesses(count, mp_context=multiprocessing.get_context(method), initializer=_begin)
+
+
+def can_be_copied() -> bool:
+    """Is this a process of Linux with one thread? What a second one holds locked, a copy would wait for in vain."""
+    try:
+        return sum(1 for _ in Path("/proc/self/task").iterdir()) == 1
+    except OSError:
+        return False
 
 
 class _WorkerProcesses(ProcessPoolExecutor):
