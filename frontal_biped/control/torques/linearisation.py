@@ -112,7 +112,10 @@ class StanceDynamics(NamedTuple):
 
     def linearising(self, targets: Targets) -> Motion | None:
         """The motion that meets all targets; None where I_P vanishes."""
-        p_fri, line = targets.p_fri, targets.line()
+        return self.on_line(targets.line(), targets.p_fri)
+
+    def on_line(self, line: FloatArray, p_fri: float) -> Motion | None:
+        """The motion on a line of accelerations (2, 4) that has the FRI at ``p_fri`` [m]; None where I_P vanishes."""
         of_line = line.dot(self.M[BASE:])  # M is symmetric, and the foot at rest
         forces, along = of_line[0], of_line[1]
         forces += self.bias
@@ -166,13 +169,14 @@ class StanceModel:
     """
 
     def __init__(self, biped: FrontalBiped) -> None:
-        self._model = biped.floating
-        self._data = biped.floating.createData()
-        self._q, self._dq = np.zeros(BASE + JOINTS), np.zeros(BASE + JOINTS)
-        self._joints, self._rates = self._q[BASE:], self._dq[BASE:]
+        # the foot on one planar joint: a third less time than on three joints of one freedom each, for the same numbers
+        self._model = biped.chain.planar_base_model()
+        self._data = self._model.createData()
+        self._q, self._dq = pin.neutral(self._model), np.zeros(BASE + JOINTS)
+        self._joints, self._rates = self._q[-JOINTS:], self._dq[BASE:]
 
     def at(self, state: State) -> StanceDynamics:
         """The dynamics at a state."""
-        self._joints[:], self._rates[:] = state.q, state.dq
+        self._joints[:], self._rates[:] = state
         M = pin.crba(self._model, self._data, self._q)
         return StanceDynamics(state, M, pin.nonLinearEffects(self._model, self._data, self._q, self._dq))
