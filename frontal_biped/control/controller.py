@@ -33,6 +33,9 @@ _log = logging.getLogger(__name__)
 SOLVED = (Source.CLOSED_FORM, Source.PROGRAM)
 """Sources of torques that keep every limit."""
 
+CLOSED_FORM = Source.CLOSED_FORM
+"""Kept: a member of an enumeration is a search, and most ticks name this one."""
+
 SHIFT_ROOM = 0.7
 """Share of the sole, from the ankle outwards, inside which a shifted FRI target stays [-]: a robot that is a fifth
 lighter than its model puts the FRI a fifth further out."""
@@ -181,17 +184,22 @@ class QpController:
         h_d, h_d1, h_d2, p_fri = self._phases[phase].desired(q.item(0))
         if fri_shift:
             p_fri = self._shifted(p_fri, fri_shift)
-        line, y, dy, ddy = self._errors.over_ankle(q.tolist(), dq.tolist(), h_d, h_d1, h_d2)
+        line, y, dy, ddy, curve = self._errors.at(q, dq, dq.item(0), h_d, h_d1, h_d2)
         dynamics = self.program.dynamics(state)
+        command, motion = self._on_line(state, dynamics, line, y, dy, p_fri)
+        return command or self._answered(phase, state, Targets(h_d1, curve, ddy, p_fri), y, dy, dynamics, motion)
+
+    def _on_line(
+        self, state: State, dynamics: StanceDynamics, line: FloatArray, y: FloatArray, dy: FloatArray, p_fri: float
+    ) -> tuple[Command | None, Motion | None]:
+        """The command that linearises, or the motion that oversteps limits; neither where another solver is asked."""
         motion = dynamics.on_line(line, p_fri) if self._exact else None
-        if motion is not None and self.program.qp.limits.keep(state, motion):
-            ddq, forces = motion
-            command = Command(forces[BASE:], ddq, forces[:FORCES], y, dy, p_fri, Source.CLOSED_FORM)
-            self.counts[Source.CLOSED_FORM] += 1
-            self._last = command
-            return command
-        targets = Targets(h_d1, h_d2 * (state.dbeta * state.dbeta), ddy, p_fri)
-        return self._answered(phase, state, targets, y, dy, dynamics, motion)
+        if motion is None or not self.program.qp.limits.keep(state, motion):
+            return None, motion
+        ddq, forces = motion
+        command = self._last = Command(forces[BASE:], ddq, forces[:FORCES], y, dy, p_fri, CLOSED_FORM)
+        self.counts[CLOSED_FORM] += 1
+        return command, None
 
     def _shifted(self, p_fri: float, shift: float) -> float:
         """A FRI target moved, inside the sole [m]."""
@@ -206,6 +214,7 @@ class QpController:
         y: FloatArray,
         dy: FloatArray,
         dynamics: StanceDynamics | None = None,
+        line: FloatArray | None = None,
     ) -> Command:
         """Torques for targets at a state, wherever the targets come from.
 
@@ -216,10 +225,16 @@ class QpController:
             y: (3,) output that they are for [rad].
             dy: (3,) its rate [rad/s].
             dynamics: at the state, where they are known already.
+            line: `Targets.line` of the targets, where it is known already.
         """
         if not _finite(state):
             return self._without_a_state(phase, state)
-        return self._answered(phase, state, targets, y, dy, dynamics)
+        motion = None
+        if dynamics is not None and line is not None:
+            command, motion = self._on_line(state, dynamics, line, y, dy, targets.p_fri)
+            if command is not None:
+                return command
+        return self._answered(phase, state, targets, y, dy, dynamics, motion)
 
     def _without_a_state(self, phase: StepPhase, state: State) -> Command:
         return self._counted(self._held(), phase, state, "the state is not finite")
@@ -289,8 +304,8 @@ class QpController:
         """What is asked of a state: targets, output y (3,) [rad] and its rate (3,) [rad/s]."""
         q, dq = state
         h_d, h_d1, h_d2, p_fri = self._phases[phase].desired(q.item(0))
-        _, y, dy, ddy = self._errors.over_ankle(q.tolist(), dq.tolist(), h_d, h_d1, h_d2)
-        targets = Targets(h_d1, h_d2 * (state.dbeta * state.dbeta), ddy, p_fri)
+        _, y, dy, ddy, curve = self._errors.at(q, dq, dq.item(0), h_d, h_d1, h_d2)
+        targets = Targets(h_d1, curve, ddy, p_fri)
         if self.lyapunov is not None:
             decrease = self.lyapunov.decrease(y, dy)
             ddy, delta = least_acceleration(decrease, self._price)

@@ -19,16 +19,18 @@ class Tracked(NamedTuple):
     """Outputs at one state.
 
     Attributes:
-        line: (2, 4) accelerations a + c ddbeta [rad/s^2] and [-], the stance ankle's first, as `Targets.line`.
+        line: (2, 4) accelerations of all joints for outputs over beta, a [rad/s^2] and c [-], the ankle's being beta's.
         y: (3,) output [rad].
         dy: (3,) its rate [rad/s].
         ddy: (3,) acceleration v that is asked of it [rad/s^2].
+        curve: (3,) h_d'' x'^2 [rad/s^2].
     """
 
     line: FloatArray
     y: FloatArray
     dy: FloatArray
     ddy: FloatArray
+    curve: FloatArray
 
 
 class ErrorDynamics:
@@ -46,33 +48,33 @@ class ErrorDynamics:
         """v [rad/s^2] of outputs y [rad] and dy [rad/s], of one shape."""
         return self._drag * dy + self._pull * y
 
-    def over_ankle(
-        self, q: list[float], dq: list[float], h_d: FloatArray, h_d1: FloatArray, h_d2: FloatArray
+    def at(
+        self, q: FloatArray, dq: FloatArray, rate: float, h_d: FloatArray, h_d1: FloatArray, h_d2: FloatArray
     ) -> Tracked:
-        """Outputs over beta.
+        """Outputs at q (4,) [rad], dq (4,) [rad/s].
 
         Args:
-            q: four joint angles [rad].
-            dq: their rates [rad/s].
+            q: joint angles, the stance ankle's first.
+            dq: their rates.
+            rate: x' of the phase's variable, of beta [rad/s] or of the sway [m/s].
             h_d: (3,) wanted body coordinates [rad].
-            h_d1: (3,) dh_d/dbeta [-].
-            h_d2: (3,) d2h_d/dbeta2 [1/rad].
+            h_d1: (3,) their derivative with respect to x.
+            h_d2: (3,) their second derivative.
         """
-        pull, drag = self._pull, self._drag
-        _, q_1, q_2, q_3 = q
-        rate, dq_1, dq_2, dq_3 = dq
+        pull, drag, square = self._pull, self._drag, rate**2
+        _, q_1, q_2, q_3 = q.tolist()
+        _, dq_1, dq_2, dq_3 = dq.tolist()
         h_1, h_2, h_3 = h_d.tolist()
         c_1, c_2, c_3 = h_d1.tolist()
         b_1, b_2, b_3 = h_d2.tolist()
-        square = rate * rate
+        b_1, b_2, b_3 = b_1 * square, b_2 * square, b_3 * square
         y_1, y_2, y_3 = q_1 - h_1, q_2 - h_2, q_3 - h_3
         dy_1, dy_2, dy_3 = dq_1 - rate * c_1, dq_2 - rate * c_2, dq_3 - rate * c_3
         v_1, v_2, v_3 = drag * dy_1 + pull * y_1, drag * dy_2 + pull * y_2, drag * dy_3 + pull * y_3
-        a_1, a_2, a_3 = v_1 + b_1 * square, v_2 + b_2 * square, v_3 + b_3 * square
         # fmt: off
         found = np.array((
-            0.0, a_1, a_2, a_3, 1.0, c_1, c_2, c_3,
-            y_1, y_2, y_3, dy_1, dy_2, dy_3, v_1, v_2, v_3,
+            0.0, v_1 + b_1, v_2 + b_2, v_3 + b_3, 1.0, c_1, c_2, c_3,
+            y_1, y_2, y_3, dy_1, dy_2, dy_3, v_1, v_2, v_3, b_1, b_2, b_3,
         ))
         # fmt: on
-        return Tracked(found[:8].reshape(2, 4), found[8:11], found[11:14], found[14:])
+        return Tracked(found[:8].reshape(2, 4), found[8:11], found[11:14], found[14:17], found[17:])
