@@ -11,10 +11,11 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.control.interface import Commands
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers.transitions import FixedTransitions, ReanchoringTransitions, Stabiliser
-from frontal_biped.control.torques.linearisation import BODY_JOINTS, JOINTS, StanceDynamics, Targets
+from frontal_biped.control.torques.linearisation import BODY_JOINTS, JOINTS, Motion, StanceDynamics, Targets
 from frontal_biped.control.torques.linearising_many import keep_all, linearising_motions
 from frontal_biped.control.torques.lyapunov import LyapunovFunction, least_acceleration
 from frontal_biped.control.torques.torque_program import Source, TorqueProgram
+from frontal_biped.control.torques.tracking import ErrorDynamics
 from frontal_biped.control.torques.walking_qp import FORCES, OUTPUT_ACCELERATION
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait.planned_step import PlannedStep
@@ -31,6 +32,9 @@ _log = logging.getLogger(__name__)
 
 SOLVED = (Source.CLOSED_FORM, Source.PROGRAM)
 """Sources of torques that keep every limit."""
+
+CLOSED_FORM = Source.CLOSED_FORM
+"""Kept: a member of an enumeration is a search, and most ticks name this one."""
 
 SHIFT_ROOM = 0.7
 """Share of the sole, from the ankle outwards, inside which a shifted FRI target stays [-]: a robot that is a fifth
@@ -97,9 +101,8 @@ class QpController:
         self.gait = gait
         self.settings = settings or ControllerSettings.for_gait(gait)
         self.program = TorqueProgram(biped, self.settings)
-        # of every output: NumPy multiplies two arrays in half the time that it takes for a number and an array
-        self._pull = np.full(BODY_JOINTS, -(self.settings.frequency**2))
-        self._drag = np.full(BODY_JOINTS, -2.0 * self.settings.damping * self.settings.frequency)
+        self._errors = ErrorDynamics(self.settings.frequency, self.settings.damping)
+        self._exact = self.settings.solver == "exact"
         clf = self.settings.outputs == "clf"
         self.lyapunov = LyapunovFunction(self.settings.epsilon) if clf else None
         self._price = self.settings.relaxation_price * OUTPUT_ACCELERATION
@@ -175,12 +178,40 @@ class QpController:
         state = State(q, dq)
         if not _finite(state):
             return self._without_a_state(phase, state)
+        if self.lyapunov is None:
+            return self._tracked(phase, state, fri_shift)
         targets, y, dy = self.targets(phase, state)
         if fri_shift:
-            outer, inner = self.biped.sole
-            shifted = min(max(targets.p_fri + fri_shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
-            targets = targets._replace(p_fri=shifted)
+            targets = targets._replace(p_fri=self._shifted(targets.p_fri, fri_shift))
         return self._answered(phase, state, targets, y, dy)
+
+    def _tracked(self, phase: StepPhase, state: State, fri_shift: float) -> Command:
+        """The command of a tick that linearises: most of them end where no limit is active."""
+        q, dq = state
+        h_d, h_d1, h_d2, p_fri = self._phases[phase].desired(q.item(0))
+        if fri_shift:
+            p_fri = self._shifted(p_fri, fri_shift)
+        line, y, dy, ddy, curve = self._errors.at(q, dq, dq.item(0), h_d, h_d1, h_d2)
+        dynamics = self.program.dynamics(state)
+        command, motion = self._on_line(state, dynamics, line, y, dy, p_fri)
+        return command or self._answered(phase, state, Targets(h_d1, curve, ddy, p_fri), y, dy, dynamics, motion)
+
+    def _on_line(
+        self, state: State, dynamics: StanceDynamics, line: FloatArray, y: FloatArray, dy: FloatArray, p_fri: float
+    ) -> tuple[Command | None, Motion | None]:
+        """The command that linearises, or the motion that oversteps limits; neither where another solver is asked."""
+        motion = dynamics.on_line(line, p_fri) if self._exact else None
+        if motion is None or not self.program.qp.limits.keep(state, motion):
+            return None, motion
+        ddq, forces = motion
+        command = self._last = Command(forces[BASE:], ddq, forces[:FORCES], y, dy, p_fri, CLOSED_FORM)
+        self.counts[CLOSED_FORM] += 1
+        return command, None
+
+    def _shifted(self, p_fri: float, shift: float) -> float:
+        """A FRI target moved, inside the sole [m]."""
+        outer, inner = self.biped.sole
+        return min(max(p_fri + shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
 
     def follow(
         self,
@@ -190,6 +221,7 @@ class QpController:
         y: FloatArray,
         dy: FloatArray,
         dynamics: StanceDynamics | None = None,
+        line: FloatArray | None = None,
     ) -> Command:
         """Torques for targets at a state, wherever the targets come from.
 
@@ -200,10 +232,16 @@ class QpController:
             y: (3,) output that they are for [rad].
             dy: (3,) its rate [rad/s].
             dynamics: at the state, where they are known already.
+            line: `Targets.line` of the targets, where it is known already.
         """
         if not _finite(state):
             return self._without_a_state(phase, state)
-        return self._answered(phase, state, targets, y, dy, dynamics)
+        motion = None
+        if dynamics is not None and line is not None:
+            command, motion = self._on_line(state, dynamics, line, y, dy, targets.p_fri)
+            if command is not None:
+                return command
+        return self._answered(phase, state, targets, y, dy, dynamics, motion)
 
     def _without_a_state(self, phase: StepPhase, state: State) -> Command:
         return self._counted(self._held(), phase, state, "the state is not finite")
@@ -216,9 +254,10 @@ class QpController:
         y: FloatArray,
         dy: FloatArray,
         dynamics: StanceDynamics | None = None,
+        overstepping: Motion | None = None,
     ) -> Command:
-        """The program's answer at a finite state."""
-        answer = self.program.solve(state, targets, dynamics)
+        """The program's answer at a finite state; where known, the motion that meets all targets and not all limits."""
+        answer = self.program.solve(state, targets, dynamics, overstepping)
         if answer is None:
             return self._counted(self._held(y, dy, targets.p_fri), phase, state, "the relaxed program is not solved")
         source, u, ddq, force, violation, delta = answer
@@ -240,12 +279,12 @@ class QpController:
         Returns:
             The answers; None unless all of them are known in closed form: ask for them one by one.
         """
-        if self.lyapunov is not None or self.settings.solver != "exact" or not isfinite((q * q + dq * dq).sum()):
+        if self.lyapunov is not None or not self._exact or not isfinite((q * q + dq * dq).sum()):
             return None
         wanted = self._phases[phase].motion(q[:, 0])
         y, dy = q[:, 1:] - wanted.q[:, 1:], dq[:, 1:] - wanted.dq[:, 1:] * dq[:, :1]
         states = State(q, dq)
-        motions = linearising_motions(self.biped, states, wanted, self._drag * dy + self._pull * y)
+        motions = linearising_motions(self.biped, states, wanted, self._errors.asked(y, dy))
         if not keep_all(self.program.qp.limits, states, motions):
             return None
         self.counts[Source.CLOSED_FORM] += len(q)
@@ -271,17 +310,13 @@ class QpController:
     def targets(self, phase: StepPhase, state: State) -> tuple[Targets, FloatArray, FloatArray]:
         """What is asked of a state: targets, output y (3,) [rad] and its rate (3,) [rad/s]."""
         q, dq = state
-        rate = dq.item(0)
         h_d, h_d1, h_d2, p_fri = self._phases[phase].desired(q.item(0))
-        y, dy = q[1:] - h_d, dq[1:] - rate * h_d1
-        if self.lyapunov is None:
-            ddy = self._drag * dy
-            ddy += self._pull * y
-            targets = Targets(h_d1, h_d2 * (rate * rate), ddy, p_fri)
-        else:
+        _, y, dy, ddy, curve = self._errors.at(q, dq, dq.item(0), h_d, h_d1, h_d2)
+        targets = Targets(h_d1, curve, ddy, p_fri)
+        if self.lyapunov is not None:
             decrease = self.lyapunov.decrease(y, dy)
             ddy, delta = least_acceleration(decrease, self._price)
-            targets = Targets(h_d1, h_d2 * rate**2, ddy, p_fri, decrease, delta)
+            targets = targets._replace(ddy=ddy, decrease=decrease, relaxation=delta)
         return targets, y, dy
 
     def _held(self, y: FloatArray | None = None, dy: FloatArray | None = None, p_fri: float | None = None) -> Command:
@@ -297,5 +332,5 @@ class QpController:
 
 
 def _finite(state: State) -> bool:
-    """Is every number of a state finite? Where a factor is not, be the other zero, no product and no sum is."""
-    return isfinite(state.q.dot(state.dq))
+    """Is every number of a state finite? Where one is not, no sum is."""
+    return isfinite(sum(state.q.tolist()) + sum(state.dq.tolist()))

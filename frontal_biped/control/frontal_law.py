@@ -26,6 +26,7 @@ from frontal_biped.control.controller import SHIFT_ROOM
 from frontal_biped.control.interface import PhaseEvent
 from frontal_biped.control.landing_widths import LandingWidths
 from frontal_biped.control.torques.linearisation import Targets
+from frontal_biped.control.torques.tracking import ErrorDynamics
 from frontal_biped.control.walker.energy_law import EnergySettings
 from frontal_biped.gait.planned_step import PlannedStep
 from frontal_biped.gait.sideways import AnyGait, orbits_in_turn, steps_in_turn
@@ -74,11 +75,13 @@ class FrontalTargets(NamedTuple):
         targets: of the paper's outputs and the FRI.
         y: (3,) output error [rad].
         dy: (3,) its rate [rad/s].
+        line: (2, 4) accelerations of four joints that give the outputs theirs, the ankle's yet to follow (`over_sway`).
     """
 
     targets: Targets
     y: FloatArray
     dy: FloatArray
+    line: FloatArray
 
 
 @dataclass(frozen=True)
@@ -138,8 +141,7 @@ class FrontalLaw:
         damping: float = 1.0,
     ) -> None:
         self.settings, self._period = settings, period
-        self._pull = np.full(3, -(frequency**2))  # arrays, as in `QpController`
-        self._drag = np.full(3, -2.0 * damping * frequency)
+        self._errors = ErrorDynamics(frequency, damping)
         decay = np.inf if settings.energy is None else settings.energy.length
         steps = zip(steps_in_turn(gait), orbits_in_turn(biped, gait), strict=True)
         self._steps = [_SwayedStep.of(biped, step, orbit, decay) for step, orbit in steps]
@@ -185,7 +187,7 @@ class FrontalLaw:
         self._fallen = bool(widening or self.widening or out_of_double_support)
         self._stance, self._since, self.widening = stance, 0.0, widening
         self._until_settled = self.settings.settle or np.inf
-        self._begin(StepPhase.RISING, sway, state.q[1:], state.dq[1:])
+        self._begin(StepPhase.RISING, sway, state)
 
     def at(
         self,
@@ -206,10 +208,9 @@ class FrontalLaw:
         """
         self._until_settled -= self._period
         self._since += self._period
-        pose, rates = state.q[1:], state.dq[1:]
         if self._begun is None or (self._until_settled <= 0.0 and phase is StepPhase.RISING):
             self._until_settled = np.inf
-            self._begin(phase, sway, pose, rates)
+            self._begin(phase, sway, state)
         elif event is not None and event is not PhaseEvent.LANDING:
             # where the robot turns every rate is zero, and the phase before says with which slope it goes on
             self._until_settled = np.inf
@@ -222,14 +223,13 @@ class FrontalLaw:
             self._learn(sway)
             shift += self.offset[self._stance]
         asked = self._begun.at(sway.value)
-        y, dy = pose - asked.h_d, rates - asked.h_d1 * sway.rate
-        ddy = self._pull * y
-        ddy += self._drag * dy
+        line, y, dy, ddy, curve = self._errors.at(*state, sway.rate, asked.h_d, asked.h_d1, asked.h_d2)
         outer, inner = self._sole
         p_fri = min(max(asked.p_fri + shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
-        return FrontalTargets(Targets(asked.h_d1, asked.h_d2 * sway.rate**2, ddy, p_fri, sway=sway), y, dy)
+        return FrontalTargets(Targets(asked.h_d1, curve, ddy, p_fri, sway=sway), y, dy, line)
 
-    def _begin(self, phase: StepPhase, sway: Sway, pose: FloatArray, rates: FloatArray) -> None:
+    def _begin(self, phase: StepPhase, sway: Sway, state: State) -> None:
+        pose, rates = state.q[1:], state.dq[1:]
         slope = rates / sway.rate if abs(sway.rate) > SLOWEST else None
         self._begun = self._of_foot[self._stance].phases[phase].begun(sway.value, pose, slope, self._end(phase))
 
@@ -260,9 +260,10 @@ class FrontalLaw:
             bias[stance] += self._period / settings.average * (unexplained - bias[stance])
         # the foot rocks after a landing, and the estimate with it
         trust = min(max(self._since / settings.blank - 1.0, 0.0), 1.0)
-        length = phase.sign * settings.length * self.orbit.ranges[phase]
-        wanted = trust * self.orbit.error(phase, sway.value, sway.rate) / length - bias[stance]
-        return -wanted / self.orbit.omega**2
+        orbit = self.orbit
+        length = phase.sign * settings.length * orbit.ranges[phase]
+        wanted = trust * orbit.error(phase, sway.value, sway.rate) / length - bias[stance]
+        return -wanted / orbit.omega**2
 
     def _learn(self, sway: Sway) -> None:
         step = self._of_foot[self._stance]

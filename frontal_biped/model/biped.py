@@ -79,10 +79,12 @@ class FrontalBiped(ShownAsPage):
         self._floating_data = self.floating.createData()
         ends = [f"swing_sole_{end}" for end in ("inner", "outer")]
         self._sole_frames = [self.pinned.getFrameId(end) for end in ends]
-        self._floating_sole_frames = [self.floating.getFrameId(end) for end in ends]
+        soles = [self.floating.frames[self.floating.getFrameId(end)] for end in ends]
         # views of Pinocchio's work data: reading them costs a tenth of asking for them
         self._sole_ends = [self._data.oMf[frame].translation for frame in self._sole_frames]
-        self._floating_sole_ends = [self._floating_data.oMf[frame].translation for frame in self._floating_sole_frames]
+        swing_foot = self._floating_data.oMi[soles[0].parentJoint]
+        self._swing_turn, self._swing_place = swing_foot.rotation, swing_foot.translation
+        self._sole_in_foot = [tuple(sole.placement.translation[:2].tolist()) for sole in soles]
         self._q = np.zeros(self.floating.nv)
         self._dq = np.zeros(self.floating.nv)
         self._ddq = np.zeros(self.floating.nv)
@@ -302,12 +304,11 @@ class FrontalBiped(ShownAsPage):
     def posture(self, q: FloatArray) -> Posture:
         """What tells events apart, from one pass over the kinematics."""
         self._joints[:] = q
-        model, data = self.floating, self._floating_data
-        com = pin.centerOfMass(model, data, self._q)
-        for frame in self._floating_sole_frames:
-            pin.updateFramePlacement(model, data, frame)
-        inner, outer = self._floating_sole_ends
-        return Posture(com.item(0), com.item(1), inner.item(1), outer.item(1))
+        com = pin.centerOfMass(self.floating, self._floating_data, self._q)
+        sin, cos, height = self._swing_turn.item(3), self._swing_turn.item(4), self._swing_place.item(1)
+        (inner_x, inner_y), (outer_x, outer_y) = self._sole_in_foot
+        inner, outer = height + sin * inner_x + cos * inner_y, height + sin * outer_x + cos * outer_y
+        return Posture(com.item(0), com.item(1), inner, outer)
 
     def swing_sole_heights(self, q: FloatArray) -> FloatArray:
         """(2, n) heights of the inner and the outer end of the swing sole at q (n, 4) [m]."""

@@ -22,6 +22,8 @@ class DelayLine:
 
     def push(self, commanded: FloatArray) -> FloatArray:
         """Send this tick's torques (n,) [N m]; returns those that arrive now: at the start, the first ones sent."""
+        if not self._ticks:
+            return commanded
         while len(self._waiting) < self._ticks:
             self._waiting.append(commanded)
         self._waiting.append(commanded)
@@ -44,6 +46,7 @@ class Motors:
         self._disturbances, self._least, self._most = disturbances, -max_torque, max_torque
         self._line = DelayLine(disturbances.delay_ticks(period))
         self._generator = disturbances.generator("torques")
+        self._worse = bool(disturbances.torque_noise) or disturbances.torque_limits is not None
         self.arriving: FloatArray = np.zeros(len(max_torque))
 
     def send(self, tau: FloatArray, drawn_from: Stance = Stance.LEFT) -> FloatArray:
@@ -54,12 +57,17 @@ class Motors:
             drawn_from: the foot whose chain of four, from stance to swing, the random numbers follow; the left one's is
                 the URDF order.
         """
-        self.arriving = self._line.push(tau)
-        acting = self.arriving
+        acting = self.arriving = self._line.push(tau)
+        if self._worse:
+            acting = self._disturbed(acting, drawn_from)
+        return np.minimum(np.maximum(acting, self._least), self._most)
+
+    def _disturbed(self, acting: FloatArray, drawn_from: Stance) -> FloatArray:
+        """What noisy and weak motors make of it."""
         if self._disturbances.torque_noise:
             factor = 1.0 + self._disturbances.torque_noise * self._generator.standard_normal(len(acting))
             acting = acting * (factor if drawn_from is Stance.LEFT else relabel(factor))
         if self._disturbances.torque_limits is not None:
             limit = self._disturbances.chain_torque_limits()
             acting = np.clip(acting, -limit, limit)
-        return np.minimum(np.maximum(acting, self._least), self._most)
+        return acting

@@ -124,7 +124,7 @@ class RigidEngine:
 
     def advance(self, t: float, end: float, tau: FloatArray, pushes: PushForces) -> Move:
         """Under held joint torques (4,) [N m] from t to ``end`` [s], or to the first event."""
-        motion, pushed = self.motion, pushes.any
+        motion, pushed, guards = self.motion, pushes.any, self._guards
         motion.u = self.biped.stance_map.torques_to_stance(tau, self.stance)
         steps: list[tuple[float, float, State]] = []
         while end - t > AT_ONCE:
@@ -135,16 +135,15 @@ class RigidEngine:
                 return Move(t, steps, gave_way, gave_way)
             h = min(end - t, MAX_STEP)
             after = motion.advance(self.state, h)
-            values = self._guards.values(*after)
-            hit = None
+            values = guards.values(*after)
             if min(values) <= 0.0:
-                hit = motion.first_crossing(self.state, h, self._guards, self._values, values)
-            if hit is not None:
-                h, kind = hit
-                t += h
-                self.state = motion.advance(self.state, h)
-                steps.append((h, t, self.state))
-                return Move(t, steps, kind, self.cross(kind))
+                hit = motion.first_crossing(self.state, h, guards, self._values, values)
+                if hit is not None:
+                    h, kind = hit
+                    t += h
+                    self.state = motion.advance(self.state, h)
+                    steps.append((h, t, self.state))
+                    return Move(t, steps, kind, self.cross(kind))
             t = end if h == end - t else t + h
             self.state, self._values = after, values
             steps.append((h, t, after))

@@ -4,6 +4,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+import pinocchio as pin
 from scipy.optimize import brentq
 
 from frontal_biped.arrays import FloatArray
@@ -92,9 +93,11 @@ class StanceMotion:
         self.u: FloatArray = np.zeros(len(biped.max_torque))
         self.pushes: list[tuple[float, float]] = []
         self._pelvis = PelvisForce(biped)
+        self._model, self._data = biped.pinned, biped.pinned.createData()
         joints = len(self.u)
         self._known, self._stage = np.zeros((6, joints)), np.zeros((2, joints))  # of a step: see `RungeKutta`
         self._first, self._two, self._three = (self._known[:count] for count in (3, 4, 5))
+        self._at, self._rates = self._stage
 
     def copy(self) -> "StanceMotion":
         """The same motion under torques of its own."""
@@ -132,19 +135,21 @@ class StanceMotion:
 
     def advance(self, state: State, h: float) -> State:
         """State after h [s], by a Runge-Kutta step of order 4."""
-        step, known, stage = RungeKutta.of(h), self._known, self._stage
-        accelerations, felt = self.biped.forward_dynamics, self.felt
-        q, dq = stage[0], stage[1]
-        known[0], known[1] = state
-        known[2] = accelerations(*state, felt(state.q))
-        step.second.dot(self._first, stage)
-        known[3] = accelerations(q, dq, felt(q))
-        step.third.dot(self._two, stage)
-        known[4] = accelerations(q, dq, felt(q))
-        step.fourth.dot(self._three, stage)
-        known[5] = accelerations(q, dq, felt(q))
-        end = step.end.dot(known)
-        return State(end[0], end[1])
+        # three of five microseconds of a step are Pinocchio's: it is asked without a call in between
+        aba, model, data, felt, pushed = pin.aba, self._model, self._data, self.felt, bool(self.pushes)
+        second, third, fourth, end = RungeKutta.of(h)
+        known, stage, at, rates, u = self._known, self._stage, self._at, self._rates, self.u
+        q, dq = state
+        known[0], known[1] = q, dq
+        known[2] = aba(model, data, q, dq, felt(q) if pushed else u)
+        second.dot(self._first, stage)
+        known[3] = aba(model, data, at, rates, felt(at) if pushed else u)
+        third.dot(self._two, stage)
+        known[4] = aba(model, data, at, rates, felt(at) if pushed else u)
+        fourth.dot(self._three, stage)
+        known[5] = aba(model, data, at, rates, felt(at) if pushed else u)
+        after = end.dot(known)
+        return State(after[0], after[1])
 
     def first_crossing(
         self,

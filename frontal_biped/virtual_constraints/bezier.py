@@ -11,7 +11,12 @@ from frontal_biped.arrays import FloatArray
 @lru_cache(maxsize=64)
 def _binomials(degree: int) -> tuple[FloatArray, FloatArray]:
     exponents = np.arange(degree + 1.0)
-    return np.array([comb(degree, k) for k in range(degree + 1)], dtype=float), exponents
+    return np.array(_plain_binomials(degree)), exponents
+
+
+@lru_cache(maxsize=64)
+def _plain_binomials(degree: int) -> tuple[float, ...]:
+    return tuple(float(comb(degree, k)) for k in range(degree + 1))
 
 
 def bernstein(degree: int, s: FloatArray | float) -> FloatArray:
@@ -27,7 +32,7 @@ def bernstein(degree: int, s: FloatArray | float) -> FloatArray:
 def bernstein_at(degree: int, s: float) -> FloatArray:
     """(degree + 1,) Bernstein polynomials at one s, in plain numbers: a control tick has one."""
     t, up, down = 1.0 - s, 1.0, 1.0
-    values = _binomials(degree)[0].tolist()
+    values = list(_plain_binomials(degree))
     for k in range(1, degree + 1):
         up *= s
         down *= t

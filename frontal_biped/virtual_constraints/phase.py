@@ -148,8 +148,8 @@ class Phase:
 
     def desired(self, beta: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
         """h_d (3,), dh_d/dbeta (3,), d2h_d/dbeta2 (3,) and the FRI target at one beta: what a control tick needs."""
-        table = self._table
-        values = table.dot(bernstein_at(table.shape[1] - 1, (float(beta) - self.beta_start) / self.range))
+        table, n, start, length = self._at_one
+        values = table.dot(bernstein_at(n, (float(beta) - start) / length))
         return values[:3], values[3:6], values[6:9], values.item(9)
 
     def shifted(self, shift: float) -> "Phase":
@@ -176,6 +176,11 @@ class Phase:
         of_joints = [joints @ derivative_columns(M, k, n) / self.range**k for k in range(3)]
         of_fri = [fri @ derivative_columns(M_fri, k, n) / self.range**k for k in range(2)]
         return np.concatenate([*of_joints, of_fri])
+
+    @cached_property
+    def _at_one(self) -> tuple[FloatArray, int, float, float]:
+        """What `desired` needs: the table, its degree, and where the phase starts and how far it goes [rad]."""
+        return self._table, self._table.shape[1] - 1, self.beta_start, self.range
 
 
 def constrained_motion(beta: FloatArray, beta_range: FloatArray, polynomials: PhasePolynomials) -> ConstrainedMotion:

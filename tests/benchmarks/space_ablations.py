@@ -110,7 +110,7 @@ class AnkleLaw:
         targets, y, dy = self.controller.targets(phase, State(q, dq))
         shift = self._energy.fri_shift(phase, q, float(dq[0]), np.zeros(4))
         p_fri = min(max(targets.p_fri + shift, self._room[0]), self._room[1])
-        return FrontalTargets(targets._replace(p_fri=p_fri), y, dy)
+        return FrontalTargets(targets._replace(p_fri=p_fri), y, dy, targets.line())
 
     def _begin(self, phase: StepPhase, q: FloatArray, dq: FloatArray) -> None:
         self.controller.begin(phase, q, dq)

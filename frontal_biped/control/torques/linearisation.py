@@ -68,13 +68,8 @@ class Targets(NamedTuple):
     def line(self) -> FloatArray:
         """(2, 4) accelerations a + c x that give the outputs theirs: a [rad/s^2], and c, by the phase's variable x."""
         a, c = self.ddy + self.h_d2_dbeta2, self.h_d1
-        if self.sway is None:
-            a_1, c_1 = 0.0, 1.0
-        else:
-            J_1, J_body = self.sway.J.item(0), self.sway.J[1:]
-            a_1 = -(self.sway.drift + J_body.dot(a).item()) / J_1
-            c_1 = (1.0 - J_body.dot(c).item()) / J_1
-        return np.array((a_1, *a.tolist(), c_1, *c.tolist())).reshape(2, JOINTS)
+        line = np.array((0.0, *a.tolist(), 1.0, *c.tolist())).reshape(2, JOINTS)
+        return line if self.sway is None else over_sway(line, self.sway)
 
     def of_outputs(self) -> FloatArray:
         """(4, 4) accelerations that the outputs' residuals take at an unchanged rate of the phase's variable."""
@@ -83,6 +78,14 @@ class Targets(NamedTuple):
         of_outputs = _OF_OUTPUTS.copy()
         of_outputs[0, :FRI] = self.sway.J[1:] / -self.sway.J.item(0)
         return of_outputs
+
+
+def over_sway(line: FloatArray, sway: Sway) -> FloatArray:
+    """The line of outputs over the sway, of that over beta (2, 4), which is written over: the ankle follows from J."""
+    J_1, J_body, a, c = sway.J.item(0), sway.J[1:], line[0, 1:], line[1, 1:]
+    line[0, 0] = -(sway.drift + J_body.dot(a).item()) / J_1
+    line[1, 0] = (1.0 - J_body.dot(c).item()) / J_1
+    return line
 
 
 class Motion(NamedTuple):
@@ -112,7 +115,10 @@ class StanceDynamics(NamedTuple):
 
     def linearising(self, targets: Targets) -> Motion | None:
         """The motion that meets all targets; None where I_P vanishes."""
-        p_fri, line = targets.p_fri, targets.line()
+        return self.on_line(targets.line(), targets.p_fri)
+
+    def on_line(self, line: FloatArray, p_fri: float) -> Motion | None:
+        """The motion on a line of accelerations (2, 4) that has the FRI at ``p_fri`` [m]; None where I_P vanishes."""
         of_line = line.dot(self.M[BASE:])  # M is symmetric, and the foot at rest
         forces, along = of_line[0], of_line[1]
         forces += self.bias
@@ -166,13 +172,14 @@ class StanceModel:
     """
 
     def __init__(self, biped: FrontalBiped) -> None:
-        self._model = biped.floating
-        self._data = biped.floating.createData()
-        self._q, self._dq = np.zeros(BASE + JOINTS), np.zeros(BASE + JOINTS)
-        self._joints, self._rates = self._q[BASE:], self._dq[BASE:]
+        # the foot on one planar joint: a third less time than on three joints of one freedom each, for the same numbers
+        self._model = biped.chain.planar_base_model()
+        self._data = self._model.createData()
+        self._q, self._dq = pin.neutral(self._model), np.zeros(BASE + JOINTS)
+        self._joints, self._rates = self._q[-JOINTS:], self._dq[BASE:]
 
     def at(self, state: State) -> StanceDynamics:
         """The dynamics at a state."""
-        self._joints[:], self._rates[:] = state.q, state.dq
+        self._joints[:], self._rates[:] = state
         M = pin.crba(self._model, self._data, self._q)
         return StanceDynamics(state, M, pin.nonLinearEffects(self._model, self._data, self._q, self._dq))

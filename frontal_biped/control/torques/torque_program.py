@@ -14,7 +14,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.torques.few_rows import FewRows, compiled
 from frontal_biped.control.torques.limits import WalkingLimits
-from frontal_biped.control.torques.linearisation import StanceDynamics, StanceModel, Targets
+from frontal_biped.control.torques.linearisation import Motion, StanceDynamics, StanceModel, Targets
 from frontal_biped.control.torques.nearest_motion import NearestMotion
 from frontal_biped.control.torques.relaxation import relaxed, violation, weights, widened
 from frontal_biped.control.torques.walking_qp import DDQ, DELTA, FORCE, FORCES, VARIABLES, PosedProgram, U, WalkingQp
@@ -91,32 +91,43 @@ class TorqueProgram:
         """The quadratic program at a state, as `solve` solves it by whatever way."""
         return self.qp.pose(self._stance.at(state), targets)
 
-    def solve(self, state: State, targets: Targets, dynamics: StanceDynamics | None = None) -> Answer | None:
+    def dynamics(self, state: State) -> StanceDynamics:
+        """The dynamics at a state."""
+        return self._stance.at(state)
+
+    def solve(
+        self,
+        state: State,
+        targets: Targets,
+        dynamics: StanceDynamics | None = None,
+        overstepping: Motion | None = None,
+    ) -> Answer | None:
         """Torques at a state; None where even the relaxed program is not solved.
 
         Args:
             state: of the robot.
             targets: what is asked of it.
             dynamics: there, where they are known already.
+            overstepping: the motion that meets the targets, where it is known that it does not keep all limits.
         """
         dynamics = dynamics or self._stance.at(state)
-        answer = self._exactly(dynamics, targets) if self._exact else None
+        answer = self._exactly(dynamics, targets, overstepping) if self._exact else None
         if answer is None:
             return self._by_proxqp(dynamics, targets)
         self._was_active = False
         return answer
 
-    def _exactly(self, dynamics: StanceDynamics, targets: Targets) -> Answer | None:
+    def _exactly(self, dynamics: StanceDynamics, targets: Targets, overstepping: Motion | None) -> Answer | None:
         """The answer to rounding; None where that cannot be had."""
         few = None if self._few_rows is None else self._few_rows.solve(dynamics, targets)
         if few is not None:
             (ddq, forces), limited = few
             source = Source.PROGRAM if limited else Source.CLOSED_FORM
             return Answer(source, self._clipped(forces[BASE:]), ddq, forces[:FORCES])
-        motion = dynamics.linearising(targets)
+        motion = overstepping or dynamics.linearising(targets)
         if motion is None:
             return None
-        if self.qp.limits.keep(dynamics.state, motion):
+        if overstepping is None and self.qp.limits.keep(dynamics.state, motion):
             # it meets the targets: both costs are zero (with a control Lyapunov function: the least of any v, and
             # zero), and no other motion can be better
             forces = motion.forces

@@ -8,7 +8,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.control.controller import Command, QpController
 from frontal_biped.control.frontal_law import FrontalLaw
 from frontal_biped.control.interface import PhaseEvent
-from frontal_biped.control.torques.linearisation import F_V, N_0, StanceDynamics, StanceModel, Targets
+from frontal_biped.control.torques.linearisation import F_V, N_0, StanceDynamics, StanceModel, over_sway
 from frontal_biped.model.biped import BASE, FrontalBiped
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
@@ -28,7 +28,7 @@ class OverSway:
     def __init__(self, biped: FrontalBiped, controller: QpController, law: FrontalLaw) -> None:
         self._controller, self.law = controller, law
         self._stance_model, self._mass = StanceModel(biped), biped.mass
-        self._last: Targets | None = None
+        self._last: tuple[FloatArray, float] | None = None  # of the last tick: c of the line it took, and its FRI target
         self._seen: tuple[State, StanceDynamics, Sway] | None = None
 
     def reset(self, stance: Stance) -> None:
@@ -58,12 +58,15 @@ class OverSway:
         error = 0.0
         if self._last is not None:
             # what the ankle's moment does not explain, along the virtual constraints: I_P x'' = moment
-            along = dynamics.M[:, BASE:].dot(self._last.line()[1])
-            I_P = along.item(N_0) - self._last.p_fri * along.item(F_V)
+            c, p_fri = self._last
+            along = dynamics.M[:, BASE:].dot(c)
+            I_P = along.item(N_0) - p_fri * along.item(F_V)
             error = dynamics.M[BASE, BASE:].dot(unexplained).item() / I_P
         wanted = self.law.at(phase, state, sway, event, error)
-        self._last = wanted.targets
-        return self._controller.follow(phase, state, wanted.targets, wanted.y, wanted.dy, dynamics)
+        targets, y, dy, line = wanted
+        over_sway(line, sway)
+        self._last = line[1], targets.p_fri
+        return self._controller.follow(phase, state, targets, y, dy, dynamics, line)
 
     def _at(self, state: State) -> tuple[StanceDynamics, Sway]:
         """Dynamics and sway; a tick asks twice for the same state."""
