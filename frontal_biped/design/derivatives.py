@@ -6,7 +6,7 @@ tell A = M q', that at (q, 0, q'), and G, what a ground accelerated upwards by g
 products with tables of these take the derivatives to the P variables (`design.node_table`).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -15,9 +15,8 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.forward_mode import Dual
 from frontal_biped.design.node_table import NodeTable, told
 from frontal_biped.design.side_by_side import GROUND, InverseDynamics, side_by_side
-from frontal_biped.design.tape import Tape, computed, written
+from frontal_biped.design.tape import Tape, written
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.space.plane_masses import PlaneDynamics, PlaneMasses
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit
 from frontal_biped.zero_dynamics.restricted import TORQUES, ProjectedDynamics, RestrictedDynamics
@@ -206,69 +205,3 @@ def _feel(by_node: FloatArray, motion: FloatArray, terms: FloatArray) -> None:
     np.multiply(dq, dbeta[:, None], out=velocities[:, :, 0])
     velocities[:, :, 4] = dq
     velocities[:, _EACH, 9 + _EACH] = dbeta[:, None]
-
-
-@dataclass(frozen=True)
-class _NodeVariables:
-    """What each of n nodes of a motion in space is differentiated by: q, q', q''.
-
-    Of q' and q'' without the stance ankle's, which are fixed.
-
-    Attributes:
-        q: (n, 4) [rad].
-        dq: (n, 4) [-].
-        ddq: (n, 4) [1/rad].
-        inner: (n, 10, P) their derivatives.
-    """
-
-    q: FloatArray
-    dq: FloatArray
-    ddq: FloatArray
-    inner: FloatArray
-
-    @classmethod
-    def of(cls, motion: ConstrainedMotion) -> "_NodeVariables":
-        """The nodes of a `Dual` motion."""
-        q, dq, ddq = (cast("Dual", motion[part]).block for part in range(3))
-        inner = np.concatenate([q[1:], dq[1:, :, 1:], ddq[1:, :, 1:]], axis=2).transpose(1, 2, 0)
-        return cls(q[0], dq[0], ddq[0], np.ascontiguousarray(inner))
-
-    def carried(self, values: FloatArray, local: FloatArray) -> FloatArray:
-        """From each node's own variables to all P.
-
-        Args:
-            values: (n, rows) at the nodes.
-            local: (n, rows, 10) their derivatives, columns as in ``inner``.
-
-        Returns:
-            (1 + P, rows, n), the block of a `Dual`.
-        """
-        block = np.empty((1 + self.inner.shape[2], values.shape[1], len(values)))
-        block[0], block[1:] = values.T, (local @ self.inner).transpose(2, 1, 0)
-        return block
-
-
-def plane_dynamics(masses: PlaneMasses, motions: list[ConstrainedMotion]) -> list[PlaneDynamics]:
-    """`PlaneMasses.along` for `Dual` motions."""
-    return [_plane_dynamics(masses, motion) for motion in motions]
-
-
-def _plane_dynamics(masses: PlaneMasses, motion: ConstrainedMotion) -> PlaneDynamics:
-    tape = cast("Dual", motion.q).tape
-
-    def block() -> FloatArray:
-        at = _NodeVariables.of(motion)
-        local = np.zeros((3, 11, len(at.q), 4))
-        local[:, 0] = at.q, at.dq, at.ddq
-        for variable, (part, joint) in enumerate(_LOCAL):
-            local[part, 1 + variable, :, joint] = 1.0
-        found = masses.along(*(cast("FloatArray", Dual(own)) for own in local))
-        each = np.concatenate([cast("Dual", part).block for part in found], axis=1)  # (11, 15, n)
-        return at.carried(each[0].T, each[1:].transpose(2, 1, 0))
-
-    rows = Dual(computed(tape, block), tape)
-    return PlaneDynamics(*(cast("FloatArray", rows[5 * i : 5 * i + 5]) for i in range(3)))
-
-
-_LOCAL = [*((0, joint) for joint in range(4)), *((part, joint) for part in (1, 2) for joint in range(1, 4))]
-"""What a node is differentiated by: q, q' or q'' (0, 1, 2) of which joint."""
