@@ -118,9 +118,9 @@ class DifferentiableBiped:
         A, B, G = (cast("FloatArray", Dual(part[:, GROUND], tape)) for part in (at_rest, moving, weight))
         p_fri, dp_fri = (cast("FloatArray", row) for row in motion.local(_CURVE)[12:])
         local = RestrictedDynamics(ProjectedDynamics(A, B, G), p_fri, dp_fri)
-        found = [local.rate[None], local.drive[None], A[:1], cast("FloatArray", Dual(soles, tape))]
+        found = [local.rate[None], local.drive[None], A[:1], Dual(soles, tape)]
         found += [local.I_P[None], local.kappa_2[None], local.B_P[None]]
-        scalars.take(_SCALARS, cast("Dual", np.concatenate(found)), motion, _CURVE)
+        scalars.take(_SCALARS, cast("list[Dual]", found), motion, _CURVE)
 
         A_h, nothing = (cast("FloatArray", scalars.rows(part)) for part in (A_H, slice(0, 0)))
         *_, p_fri, dp_fri = nodes.constrained_motion()
@@ -167,7 +167,7 @@ class DifferentiableBiped:
         squared = local.dbeta**2
         share = np.sqrt(local.time_density / width) * np.sqrt(orbit.weights)
         found = [local.time_density, restricted.acceleration(squared), squared, share, local.dbeta]
-        motion.take(_PASSING, cast("Dual", np.stack(found)), scalars, _PASSED_BY)
+        motion.take(_PASSING, [cast("Dual", row[None]) for row in found], scalars, _PASSED_BY)
 
         felt = NodeTable(len(motion.block), 15, motion.block.shape[2] - 1, motion.tape)
         by_node = np.zeros((len(motion.block), 15, 17))
