@@ -35,7 +35,6 @@ _SCALARS, _PASSED_BY = slice(0, 8), slice(5, 11)
 
 # rows of what the robot feels there
 _FORCES, _WEIGHTED, _VELOCITIES = slice(0, 7), slice(7, 11), slice(11, 15)
-_EACH = np.arange(4)
 
 
 class Nodes(NamedTuple):
@@ -107,12 +106,12 @@ class DifferentiableBiped:
         at_rest, moving, weight = terms.swapaxes(0, 1)  # A, B, G
 
         def fill() -> None:
-            states = motion.block[:, 5:17, 0].reshape(n, 3, 4).swapaxes(0, 1).copy()
+            states = motion.block[:, 5:17, 0].T.copy().reshape(3, 4, n)
             J = self._many.at(states, moving[:13])
-            self._many.from_rest(moving[:13], J, states[1].T.copy(), InverseDynamics(at_rest[0], at_rest[1:5]))
+            self._many.from_rest(moving[:13], J, states[1], InverseDynamics(at_rest[0], at_rest[1:5]))
             at_rest[5:9] = moving[9:13]
             self._many.weight(moving[9:13], InverseDynamics(weight[0], weight[1:5]))
-            self._sole_heights(states[0], J, soles)
+            self._sole_heights(states[0].T, J, soles)
 
         written(tape, fill)
         A, B, G = (cast("FloatArray", Dual(part[:, GROUND], tape)) for part in (at_rest, moving, weight))
@@ -171,7 +170,8 @@ class DifferentiableBiped:
 
         felt = NodeTable(len(motion.block), 15, motion.block.shape[2] - 1, motion.tape)
         by_node = np.zeros((len(motion.block), 15, 17))
-        written(motion.tape, _feel, by_node, motion.block[:, :, 0], terms)
+        own_speed = np.einsum("nii->ni", by_node[:, _VELOCITIES, 9:13])  # a view: of each velocity by its own dq/dbeta
+        written(motion.tape, _feel, by_node, own_speed, motion.block[:, :, 0], terms)
         felt.carry(slice(0, 15), by_node, motion, _MOVING)
         known = {"dbeta": DBETA, "ddbeta": DDBETA, "time_density": TIME_DENSITY}
         walked = told(
@@ -183,11 +183,12 @@ class DifferentiableBiped:
         return Passing(walked, cast("FloatArray", felt.rows(_WEIGHTED)))
 
 
-def _feel(by_node: FloatArray, motion: FloatArray, terms: FloatArray) -> None:
+def _feel(by_node: FloatArray, own_speed: FloatArray, motion: FloatArray, terms: FloatArray) -> None:
     """Forces, weighted torques and velocities.
 
     Args:
         by_node: (n, 15, 17) filled with their values and derivatives with respect to the rows `_MOVING`.
+        own_speed: (n, 4) the elements of it that are derivatives of a velocity by its own dq/dbeta.
         motion: (n, 19) values of the table.
         terms: (15, 3, 7, n) as in `Projection`.
     """
@@ -204,4 +205,4 @@ def _feel(by_node: FloatArray, motion: FloatArray, terms: FloatArray) -> None:
     dq = motion[:, DQ]
     np.multiply(dq, dbeta[:, None], out=velocities[:, :, 0])
     velocities[:, :, 4] = dq
-    velocities[:, _EACH, 9 + _EACH] = dbeta[:, None]
+    own_speed[:] = dbeta[:, None]
