@@ -6,7 +6,7 @@ tell A = M q', that at (q, 0, q'), and G, what a ground accelerated upwards by g
 products with tables of these take the derivatives to the P variables (`design.node_table`).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -15,9 +15,8 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.design.forward_mode import Dual
 from frontal_biped.design.node_table import NodeTable, told
 from frontal_biped.design.side_by_side import GROUND, InverseDynamics, side_by_side
-from frontal_biped.design.tape import Tape, computed, written
+from frontal_biped.design.tape import Tape, written
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.space.plane_masses import PlaneDynamics, PlaneMasses
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion
 from frontal_biped.zero_dynamics.orbit import PhaseOrbit
 from frontal_biped.zero_dynamics.restricted import TORQUES, ProjectedDynamics, RestrictedDynamics
@@ -36,7 +35,6 @@ _SCALARS, _PASSED_BY = slice(0, 8), slice(5, 11)
 
 # rows of what the robot feels there
 _FORCES, _WEIGHTED, _VELOCITIES = slice(0, 7), slice(7, 11), slice(11, 15)
-_EACH = np.arange(4)
 
 
 class Nodes(NamedTuple):
@@ -108,20 +106,20 @@ class DifferentiableBiped:
         at_rest, moving, weight = terms.swapaxes(0, 1)  # A, B, G
 
         def fill() -> None:
-            states = motion.block[:, 5:17, 0].reshape(n, 3, 4).swapaxes(0, 1).copy()
+            states = motion.block[:, 5:17, 0].T.copy().reshape(3, 4, n)
             J = self._many.at(states, moving[:13])
-            self._many.from_rest(moving[:13], J, states[1].T.copy(), InverseDynamics(at_rest[0], at_rest[1:5]))
+            self._many.from_rest(moving[:13], J, states[1], InverseDynamics(at_rest[0], at_rest[1:5]))
             at_rest[5:9] = moving[9:13]
             self._many.weight(moving[9:13], InverseDynamics(weight[0], weight[1:5]))
-            self._sole_heights(states[0], J, soles)
+            self._sole_heights(states[0].T, J, soles)
 
         written(tape, fill)
         A, B, G = (cast("FloatArray", Dual(part[:, GROUND], tape)) for part in (at_rest, moving, weight))
         p_fri, dp_fri = (cast("FloatArray", row) for row in motion.local(_CURVE)[12:])
         local = RestrictedDynamics(ProjectedDynamics(A, B, G), p_fri, dp_fri)
-        found = [local.rate[None], local.drive[None], A[:1], cast("FloatArray", Dual(soles, tape))]
+        found = [local.rate[None], local.drive[None], A[:1], Dual(soles, tape)]
         found += [local.I_P[None], local.kappa_2[None], local.B_P[None]]
-        scalars.take(_SCALARS, cast("Dual", np.concatenate(found)), motion, _CURVE)
+        scalars.take(_SCALARS, cast("list[Dual]", found), motion, _CURVE)
 
         A_h, nothing = (cast("FloatArray", scalars.rows(part)) for part in (A_H, slice(0, 0)))
         *_, p_fri, dp_fri = nodes.constrained_motion()
@@ -168,11 +166,12 @@ class DifferentiableBiped:
         squared = local.dbeta**2
         share = np.sqrt(local.time_density / width) * np.sqrt(orbit.weights)
         found = [local.time_density, restricted.acceleration(squared), squared, share, local.dbeta]
-        motion.take(_PASSING, cast("Dual", np.stack(found)), scalars, _PASSED_BY)
+        motion.take(_PASSING, [cast("Dual", row[None]) for row in found], scalars, _PASSED_BY)
 
         felt = NodeTable(len(motion.block), 15, motion.block.shape[2] - 1, motion.tape)
         by_node = np.zeros((len(motion.block), 15, 17))
-        written(motion.tape, _feel, by_node, motion.block[:, :, 0], terms)
+        own_speed = np.einsum("nii->ni", by_node[:, _VELOCITIES, 9:13])  # a view: of each velocity by its own dq/dbeta
+        written(motion.tape, _feel, by_node, own_speed, motion.block[:, :, 0], terms)
         felt.carry(slice(0, 15), by_node, motion, _MOVING)
         known = {"dbeta": DBETA, "ddbeta": DDBETA, "time_density": TIME_DENSITY}
         walked = told(
@@ -184,11 +183,12 @@ class DifferentiableBiped:
         return Passing(walked, cast("FloatArray", felt.rows(_WEIGHTED)))
 
 
-def _feel(by_node: FloatArray, motion: FloatArray, terms: FloatArray) -> None:
+def _feel(by_node: FloatArray, own_speed: FloatArray, motion: FloatArray, terms: FloatArray) -> None:
     """Forces, weighted torques and velocities.
 
     Args:
         by_node: (n, 15, 17) filled with their values and derivatives with respect to the rows `_MOVING`.
+        own_speed: (n, 4) the elements of it that are derivatives of a velocity by its own dq/dbeta.
         motion: (n, 19) values of the table.
         terms: (15, 3, 7, n) as in `Projection`.
     """
@@ -205,70 +205,4 @@ def _feel(by_node: FloatArray, motion: FloatArray, terms: FloatArray) -> None:
     dq = motion[:, DQ]
     np.multiply(dq, dbeta[:, None], out=velocities[:, :, 0])
     velocities[:, :, 4] = dq
-    velocities[:, _EACH, 9 + _EACH] = dbeta[:, None]
-
-
-@dataclass(frozen=True)
-class _NodeVariables:
-    """What each of n nodes of a motion in space is differentiated by: q, q', q''.
-
-    Of q' and q'' without the stance ankle's, which are fixed.
-
-    Attributes:
-        q: (n, 4) [rad].
-        dq: (n, 4) [-].
-        ddq: (n, 4) [1/rad].
-        inner: (n, 10, P) their derivatives.
-    """
-
-    q: FloatArray
-    dq: FloatArray
-    ddq: FloatArray
-    inner: FloatArray
-
-    @classmethod
-    def of(cls, motion: ConstrainedMotion) -> "_NodeVariables":
-        """The nodes of a `Dual` motion."""
-        q, dq, ddq = (cast("Dual", motion[part]).block for part in range(3))
-        inner = np.concatenate([q[1:], dq[1:, :, 1:], ddq[1:, :, 1:]], axis=2).transpose(1, 2, 0)
-        return cls(q[0], dq[0], ddq[0], np.ascontiguousarray(inner))
-
-    def carried(self, values: FloatArray, local: FloatArray) -> FloatArray:
-        """From each node's own variables to all P.
-
-        Args:
-            values: (n, rows) at the nodes.
-            local: (n, rows, 10) their derivatives, columns as in ``inner``.
-
-        Returns:
-            (1 + P, rows, n), the block of a `Dual`.
-        """
-        block = np.empty((1 + self.inner.shape[2], values.shape[1], len(values)))
-        block[0], block[1:] = values.T, (local @ self.inner).transpose(2, 1, 0)
-        return block
-
-
-def plane_dynamics(masses: PlaneMasses, motions: list[ConstrainedMotion]) -> list[PlaneDynamics]:
-    """`PlaneMasses.along` for `Dual` motions."""
-    return [_plane_dynamics(masses, motion) for motion in motions]
-
-
-def _plane_dynamics(masses: PlaneMasses, motion: ConstrainedMotion) -> PlaneDynamics:
-    tape = cast("Dual", motion.q).tape
-
-    def block() -> FloatArray:
-        at = _NodeVariables.of(motion)
-        local = np.zeros((3, 11, len(at.q), 4))
-        local[:, 0] = at.q, at.dq, at.ddq
-        for variable, (part, joint) in enumerate(_LOCAL):
-            local[part, 1 + variable, :, joint] = 1.0
-        found = masses.along(*(cast("FloatArray", Dual(own)) for own in local))
-        each = np.concatenate([cast("Dual", part).block for part in found], axis=1)  # (11, 15, n)
-        return at.carried(each[0].T, each[1:].transpose(2, 1, 0))
-
-    rows = Dual(computed(tape, block), tape)
-    return PlaneDynamics(*(cast("FloatArray", rows[5 * i : 5 * i + 5]) for i in range(3)))
-
-
-_LOCAL = [*((0, joint) for joint in range(4)), *((part, joint) for part in (1, 2) for joint in range(1, 4))]
-"""What a node is differentiated by: q, q' or q'' (0, 1, 2) of which joint."""
+    own_speed[:] = dbeta[:, None]

@@ -223,7 +223,9 @@ def _divide(a: Any, b: Any) -> Dual:
         quotient = done(tape, np.multiply, a, inverse)
         return elementwise(b, quotient, done(tape, np.multiply, done(tape, np.negative, quotient), inverse))
     left, right = _aligned(a.block, b.block)
-    block = done(tape, np.multiply, left, inverse)  # for its shape and order; the values are the quotient
+    shape = np.broadcast_shapes(left.shape, right.shape)
+    block = np.empty_like(left) if left.shape == shape else np.empty(shape)  # in the order of what is divided
+    written(tape, np.multiply, left[0, ...], inverse, block[0, ...])
     written(tape, np.multiply, block[0, ...], right[1:], block[1:])
     written(tape, np.subtract, left[1:], block[1:], block[1:])
     written(tape, np.multiply, block[1:], inverse, block[1:])

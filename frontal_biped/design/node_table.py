@@ -5,6 +5,7 @@ derivatives are short; one product with the table of theirs, for all nodes in on
 respect to all P. Derivatives stand last in a table, so that no product has to put them into another order first.
 """
 
+from collections.abc import Sequence
 from typing import TypeVar
 
 import numpy as np
@@ -55,17 +56,18 @@ class NodeTable:
         """Values (n,), or () of all nodes, into a row."""
         written(self.tape, np.copyto, self.block[:, which], values.block.T)
 
-    def take(self, which: slice, local: Dual, table: "NodeTable", variables: slice) -> None:
+    def take(self, which: slice, local: Sequence[Dual], table: "NodeTable", variables: slice) -> None:
         """Carry: put into some rows what is known by its derivatives with respect to rows of a table.
 
         Args:
             which: of these rows.
-            local: (rows, n) what shall be in them.
+            local: (rows, n) each, what shall be in them, one behind the other.
             table: of the nodes.
             variables: which of its rows ``local`` is differentiated by.
         """
-        by_node = np.empty((local.shape[1], local.shape[0], len(local.block)))
-        written(self.tape, np.copyto, by_node, local.block.transpose(2, 1, 0))
+        blocks = [rows.block for rows in local]
+        by_node = np.empty((len(self.block), sum(block.shape[1] for block in blocks), len(blocks[0])))
+        written(self.tape, np.concatenate, blocks, 1, by_node.transpose(2, 1, 0))
         self.carry(which, by_node, table, variables)
 
     def carry(self, which: slice, by_node: FloatArray, table: "NodeTable", variables: slice) -> None:

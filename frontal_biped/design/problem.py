@@ -12,12 +12,13 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.both_phases import BothPhases
-from frontal_biped.design.derivatives import DifferentiableBiped, Nodes, Z, plane_dynamics
+from frontal_biped.design.derivatives import DifferentiableBiped, Nodes, Z
 from frontal_biped.design.ends import Periodic, StepEnds
 from frontal_biped.design.evaluation import EQUALITY, Quantities, RecordedProblem
 from frontal_biped.design.forward_mode import Dual
 from frontal_biped.design.landing import DifferentiableLanding
 from frontal_biped.design.local_model import largest_violation
+from frontal_biped.design.plane_derivatives import plane_dynamics
 from frontal_biped.design.tape import written
 from frontal_biped.design.variables import BETA_IMPACT, STEP_WIDTH, VariableLayout
 from frontal_biped.gait.constraints import Constraint, SoleHeights, step_constraints

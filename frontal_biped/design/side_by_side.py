@@ -79,30 +79,30 @@ class SideBySide:
         self._J = _columns(data.J)
 
     def at(self, states: FloatArray, found: FloatArray) -> FloatArray:
-        """Inverse dynamics without gravity at n states, q, dq and ddq (3, n, 4).
+        """Inverse dynamics without gravity at n states.
 
         Args:
-            states: q, dq and ddq.
+            states: (3, 4, n) q, dq and ddq.
             found: (13, 7, n) filled with values, then derivatives with respect to q, dq and ddq of each joint; rows
                 F_h, F_v, N_0, u_1..u_4.
 
         Returns:
             (4, 2, n) of each joint, the velocity (h, v) of a point at the origin that moves with the swing foot.
         """
-        n = states.shape[1]
+        n = states.shape[2]
         tau, by, J = found[0], found[1:].reshape(3, 4, 7, n), np.empty((4, 2, n))
         one = np.zeros((3, COPIES, 4))
         for begin in range(0, n, COPIES):
             here = slice(begin, min(begin + COPIES, n))
             k = here.stop - begin
-            one[:, :k] = states[:, here]
+            one[:, :k] = states[:, :, here].swapaxes(1, 2)
             pin.computeRNEADerivatives(self._model, self._data, *one.reshape(3, -1))
             tau[JOINTS, here], J[:, :, here] = self._torques[:, :k], self._J[:, :2, :k]
             for of_part, joints, ground in zip(by[..., here], self._of_joints, self._of_ground, strict=True):
                 of_part[:, JOINTS] = joints[..., :k]
                 of_part[:, _FORCE] = ground[:, _FORCE, :k]
                 of_part[:, _MOMENT] = ground[:, _TURN, :k]
-        _, dq, ddq = states.swapaxes(1, 2).copy()[:, :, None]
+        _, dq, ddq = states[:, :, None]
         pushed = by[2, :, GROUND] * ddq
         pushed += by[1, :, GROUND] * (0.5 * dq)
         np.add.reduce(pushed, axis=0, out=tau[GROUND])

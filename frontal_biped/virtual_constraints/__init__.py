@@ -7,7 +7,7 @@ from frontal_biped.virtual_constraints.invariance import (
     double_support_pose,
     invariance_residuals,
 )
-from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase, StepPhase, constrained_motion, phase_basis
+from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase, StepPhase, phase_basis
 
 __all__ = [
     "ConstrainedMotion",
@@ -17,7 +17,6 @@ __all__ = [
     "bernstein",
     "bernstein_derivative",
     "complete",
-    "constrained_motion",
     "double_support_pose",
     "invariance_residuals",
     "phase_basis",

@@ -52,18 +52,6 @@ class ConstrainedMotion(NamedTuple):
     dp_fri: FloatArray
 
 
-class PhasePolynomials(NamedTuple):
-    """The polynomials of a phase at the points s (n,), and their derivatives with respect to s.
-
-    Attributes:
-        joints: (n, 3) value, first and second derivative [rad].
-        fri: (n,) value and first derivative [m].
-    """
-
-    joints: tuple[FloatArray, FloatArray, FloatArray]
-    fri: tuple[FloatArray, FloatArray]
-
-
 class PhaseBasis(NamedTuple):
     """Bernstein matrices at fixed phase values s (n,): joints value, first and second derivative; FRI value, first.
 
@@ -72,12 +60,6 @@ class PhaseBasis(NamedTuple):
 
     joints: tuple[FloatArray, FloatArray, FloatArray]
     fri: tuple[FloatArray, FloatArray]
-
-    def polynomials(self, joint_bezier: FloatArray, fri_bezier: FloatArray) -> PhasePolynomials:
-        """Of joint coefficients (3, M + 1) [rad] and FRI coefficients (M_FRI + 1,) [m]."""
-        value, first, second = ((joint_bezier @ basis.T).T for basis in self.joints)
-        p_fri, dp_fri = (basis @ fri_bezier for basis in self.fri)
-        return PhasePolynomials((value, first, second), (p_fri, dp_fri))
 
 
 def phase_basis(degree: int, fri_degree: int, s: FloatArray) -> PhaseBasis:
@@ -181,24 +163,3 @@ class Phase:
     def _at_one(self) -> tuple[FloatArray, int, float, float]:
         """What `desired` needs: the table, its degree, and where the phase starts and how far it goes [rad]."""
         return self._table, self._table.shape[1] - 1, self.beta_start, self.range
-
-
-def constrained_motion(beta: FloatArray, beta_range: FloatArray, polynomials: PhasePolynomials) -> ConstrainedMotion:
-    """The robot on the virtual constraints at the points of their polynomials.
-
-    Args:
-        beta: (n,) [rad].
-        beta_range: (n,) beta_end - beta_start of the phase that a point belongs to [rad].
-        polynomials: at the matching s.
-    """
-    (value, first, second), (p_fri, dp_fri) = polynomials
-    slope = 1.0 / beta_range  # ds/dbeta
-    squared = slope * slope
-    one, zero = np.ones_like(beta)[:, None], np.zeros_like(beta)[:, None]
-    return ConstrainedMotion(
-        q=np.concatenate([beta[:, None], value], axis=1),
-        dq=np.concatenate([one, first * slope[:, None]], axis=1),
-        ddq=np.concatenate([zero, second * squared[:, None]], axis=1),
-        p_fri=p_fri,
-        dp_fri=dp_fri * slope,
-    )

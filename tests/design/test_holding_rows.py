@@ -7,8 +7,8 @@ import pytest
 from random_states import assert_close
 
 from frontal_biped.design import optimise_gait
-from frontal_biped.design.derivatives import plane_dynamics
 from frontal_biped.design.forward_mode import Dual
+from frontal_biped.design.plane_derivatives import plane_dynamics
 from frontal_biped.design.problem import DesignProblem
 from frontal_biped.exceptions import RobotError
 from frontal_biped.gait import GaitSpecification, default_specification

@@ -48,7 +48,7 @@ def test_one_number_of_all_nodes():
 def test_carried_is_differentiated_by_all():
     table, rows = filled(independent(X))
     found = NodeTable(NODES, 4, VARIABLES, None)
-    found.take(slice(1, 3), formula(*table.local(slice(1, 3))), table, slice(1, 3))
+    found.take(slice(1, 3), [formula(*table.local(slice(1, 3)))], table, slice(1, 3))
     expected = formula(*rows[1:])
     assert_close(found.rows(slice(1, 3)).block, expected.block, SAME)
     assert not np.any(found.block[:, [0, 3]])
@@ -59,7 +59,7 @@ def test_done_again_at_another_point():
     x = independent(X, tape)
     table, _ = filled(x, tape)
     found = NodeTable(NODES, 2, VARIABLES, tape)
-    found.take(slice(0, 2), formula(*table.local(slice(0, 2))), table, slice(0, 2))
+    found.take(slice(0, 2), list(formula(*table.local(slice(0, 2)))[:, None]), table, slice(0, 2))
     x.value[...] = X[::-1]
     tape.run()
     expected = formula(*filled(independent(X[::-1]))[1][:2])
