@@ -126,7 +126,7 @@ def test_more_is_left_of_the_energy_the_farther_inwards(steps):
         ]
         starts = [steps.steps.start(way) for way in rising]
         assert all(b < a for a, b in pairwise(starts))
-        surplus = [way.surplus(rising[8].dbeta_squared()) for way in rising]
+        surplus = [way.surplus(rising[8].dbeta_squared) for way in rising]
         assert all(left < 0 for left in surplus[:8])
         assert all(left > 0 for left in surplus[9:])
         steps.steps.order(starts[0])
