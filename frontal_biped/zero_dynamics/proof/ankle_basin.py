@@ -123,11 +123,11 @@ SOLE = "the sole is too short"
 FIRST_SHARE, MOST_SHARES = 0.25, 24
 """Width of the first tile of shifts, as a share of the room, and tiles on either side at most."""
 
-FIRST_STRETCH, MOST_STRETCHES = 1 / 256, 64
+FIRST_STRETCH, MOST_STRETCHES = 1 / 128, 64
 """Width of the first tile of stretched phases, as a share of the rising phase's range, and how many at most."""
 
-WIDENING, LEAST = 1.25, 1 / 16
-"""Factor from one width to the next, at most; and share of the first width below which a tile is not halved again."""
+WIDENING, NARROWING, LEAST = 1.1, 0.7, 1 / 32
+"""Factors from one width to the next, where a tile does and where not; share of the first below which none is tried."""
 
 
 def prove_ankle_basin(steps: AnkleSteps, rests_on: AnkleTiles | None = None) -> ProvedAnkleBasin:
@@ -267,7 +267,7 @@ def _tiled(step: Callable[[float, float], Stepped], given: Sequence[float], widt
             width *= WIDENING
         except NotEnclosedError as error:
             found = found._replace(why=str(error))
-            width *= 0.5
+            width *= NARROWING
     return found
 
 

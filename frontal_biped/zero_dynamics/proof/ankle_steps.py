@@ -5,12 +5,11 @@ the one with which the robot reverses as planned, when falling by the one that b
 impact. A shift is no new path: pose, slope and all that follows from them stay, and of the dynamics only I_P and the
 coefficients that hold it or p_FRI are others (`Panel`). So one walk along a path serves every shift.
 
-Three kinds of steps, by the speed after the impact; `ankle_basin` says how they follow each other:
+Two kinds of steps, by the speed after the impact; `ankle_basin` says how they follow each other:
 
 * **shifted**: the rising phase as planned but for the shift; it reverses as planned, and the orbit follows;
 * **stretched**: too fast for the sole; shifted as far outwards as may be and stretched until it reverses at its end
-  (`stretched_step`), e later;
-* **early**: too slow for it; shifted as far inwards as may be, it reverses d earlier and rejoins (`reversals`).
+  (`stretched_step`), e later; shifted again when falling.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -32,7 +31,6 @@ from frontal_biped.zero_dynamics.proof.half_path import HalfPath, Path, Projecte
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.limits import Cuts, ProvedLimit
 from frontal_biped.zero_dynamics.proof.perturbed_steps import (
-    AT_REST,
     INNER,
     OUTER,
     ROUGH,
@@ -100,61 +98,57 @@ class Way:
     I_P: Ball
 
     @classmethod
-    def of(cls, panels: Iterable[Panel], end: Projected, shift: Ball) -> "Way":
+    def of(cls, panels: Iterable[Panel], end: Projected, shift: Ball, motors: bool = True) -> "Way":
         """The way along panels, whose end is known, with another FRI target.
 
         Args:
             panels: with the target as planned.
             end: where the way ends, likewise.
             shift: of the target [m]; a ball is all shifts between.
+            motors: are their torques asked for, too? The energy alone takes half the time.
 
         Raises:
             NotEnclosedError: I_P may vanish, or the drive not be negative.
         """
         found, at = [], NOTHING
         for panel in panels:
-            middle, wide = (_shifted(place, shift) for place in panel.path)
+            middle, wide = (_shifted(place if motors else _alone(place), shift) for place in panel.path)
             moved, at = panel_of(panel, panel.low, panel.high, (middle, wide), at)
             if not all(is_positive(-coefficient(place.drive, 0)) for place in moved.on_Z):
                 raise NotEnclosedError("drive")
             found.append(moved)
         return cls(tuple(found), at.L, found[-1].span * at.W, _shifted(end, shift).I_P)
 
-    def dbeta_squared(self, more: Ball | int = 0) -> Ball:
-        """dbeta^2 at its end, with so much more energy at the reversal than none [rad^2/s^2]."""
-        return 2 * self.zeta(more) / (self.I_P * self.I_P)
+    @property
+    def zeta(self) -> Ball:
+        """At its end [kg^2 m^4/s^2]."""
+        return self.L.exp() * self.energy
 
-    def zeta(self, more: Ball | int = 0) -> Ball:
-        """zeta at its end, likewise [kg^2 m^4/s^2]."""
-        return self.L.exp() * (self.energy + more)
+    @property
+    def dbeta_squared(self) -> Ball:
+        """At its end [rad^2/s^2]."""
+        return 2 * self.zeta / (self.I_P * self.I_P)
 
     def surplus(self, dbeta_squared: Ball) -> Ball:
         """Energy at its end beyond what rising to the reversal takes [kg^2 m^4/s^2]."""
-        return self.I_P * self.I_P * dbeta_squared / 2 - self.zeta()
+        return self.I_P * self.I_P * dbeta_squared / 2 - self.zeta
 
-    def rows(self, more: Ball | int = 0, at_rest: bool = False) -> Controls:
+    def rows(self) -> Controls:
         """What the limits of contact and motors bound along it, but for the height of the swing foot.
-
-        Args:
-            more: energy at the reversal [kg^2 m^4/s^2].
-            at_rest: with those of a robot that has just stopped, so that all slower motions lie between?
 
         Raises:
             NotEnclosedError: the ground may pull.
         """
         rows: Controls = {}
         for panel in self.panels:
-            own = {FRI: panel.pose_rows()[FRI]} | panel.motion_rows(panel.dbeta_squared(more))
-            if at_rest:
-                nothing = panel.y[0] * 0
-                own |= {name + AT_REST: row for name, row in panel.motion_rows((nothing, nothing)).items()}
+            own = {FRI: panel.pose_rows()[FRI]} | panel.motion_rows(panel.dbeta_squared())
             for name, taylor in own.items():
                 rows.setdefault(name, []).append(controls(taylor, panel.h))
         return rows
 
 
 FRI = "FRI in the sole"
-
+"""Among the rows [m]."""
 
 LEAST_RADIUS = 1e-9
 """Of what is not known about a shift [m]."""
@@ -162,6 +156,11 @@ LEAST_RADIUS = 1e-9
 
 def _shifted(place: Projected, shift: Ball) -> Projected:
     return place._replace(I_P=place.I_P - place.A[1] * shift, p_fri=place.p_fri + shift)
+
+
+def _alone(place: Projected) -> Projected:
+    """Without the motors: F_h, F_v and N_0 are all that the energy asks for."""
+    return place._replace(A=place.A[:3], B=place.B[:3], G=place.G[:3])
 
 
 @dataclass(frozen=True)
@@ -263,9 +262,9 @@ class AnkleSteps:
         rows = {"rising": [way.rows() | self._planned_heights], "falling": [self.steps.orbit.falling.rows]}
         return Stepped(self.start(way), PLANNED, self.steps.limits_on(rows))
 
-    def start(self, rising: Way, more: Ball | int = 0) -> Ball:
+    def start(self, rising: Way) -> Ball:
         """Square of the speed after the impact, relative to the orbit's [-], with which such a phase begins."""
-        return rising.dbeta_squared(more) / self._planned
+        return rising.dbeta_squared / self._planned
 
     # ------------------------------------------------------------------ stretched
     def stretched(self, least: float, most: float) -> Stepped:
@@ -283,13 +282,13 @@ class AnkleSteps:
         base = tuple(_panels(path, self._cuts.falling))
         looks = self._looks(path)
 
-        def down(shift: Ball) -> Way:
-            # the impact, and the way there, are as planned
-            return Way.of(base, self._at_impact, shift)
+        def next_(shift: Ball) -> Ball:
+            # the impact, and the slope there, are as planned
+            return Way.of(base, self._at_impact, shift, motors=False).dbeta_squared / self._landing
 
         _require_inertia(base, self._room(looks))
-        fallen = self._fallen(lambda shift: down(shift).dbeta_squared() / self._landing, looks, path)
-        way = down(fallen.shift)
+        fallen = self._fallen(next_, looks, path)
+        way = Way.of(base, self._at_impact, fallen.shift)
         rows = {"rising": [up.rows() | _lifted(up.panels, rising)], "falling": [way.rows() | _lifted(base, path)]}
         return Stepped(self.start(up), fallen, self.steps.limits_on(rows))
 

@@ -126,7 +126,7 @@ def test_more_is_left_of_the_energy_the_farther_inwards(steps):
         ]
         starts = [steps.steps.start(way) for way in rising]
         assert all(b < a for a, b in pairwise(starts))
-        surplus = [way.surplus(rising[8].dbeta_squared()) for way in rising]
+        surplus = [way.surplus(rising[8].dbeta_squared) for way in rising]
         assert all(left < 0 for left in surplus[:8])
         assert all(left > 0 for left in surplus[9:])
         steps.steps.order(starts[0])
@@ -234,7 +234,14 @@ def test_the_widest_that_is_found(which, biped, request):
     proved = steps.proved()
     holds_and_agrees(steps, proved)
     assert proved.width > 0.27
-    assert steps.proved(proved.tiles) == proved
+    again = steps.proved(proved.tiles)
+    assert (again.low, again.high, again.at_once, again.tiles) == (
+        proved.low,
+        proved.high,
+        proved.at_once,
+        proved.tiles,
+    )
+    assert again.proved is Proof.PROVED
 
 
 @pytest.mark.slow
