@@ -5,7 +5,6 @@ from concurrent.futures import BrokenExecutor, Executor
 from contextlib import contextmanager
 
 from frontal_biped.exceptions import FrontalBipedError
-from frontal_biped.library.executors import worker_processes
 
 
 @contextmanager
@@ -35,6 +34,8 @@ def _processes(jobs: int, count: int) -> Iterator[Executor | None]:
     if count == 0:
         yield None
         return
+    from frontal_biped.library.executors import worker_processes
+
     try:
         with worker_processes(count) as executor:
             yield executor

@@ -31,9 +31,6 @@ Kind = TypeVar("Kind", np.float64, np.bool_)
 LARGEST_EXPONENT = 200.0
 """Bound on the change of Gamma over a panel; a gait's is below 1."""
 
-NEAR = 2
-"""Panels past the planned end that are looked at together where a speed says that not all will be passed."""
-
 BARRIER = "the centre of mass is over the FRI there, the energy barrier"
 
 _SHARES = 0.5 + 0.5 * PLACES
@@ -220,13 +217,11 @@ def phase_energy(
         {b for b in breaks if min(start, end) + 1e-13 < b < max(start, end) - 1e-13}, key=lambda b: sense * b
     )
     edges = [start, *inner, end]
-    count = planned = len(edges) - 1
-    if to_barrier:  # what rises goes through all panels up to its planned end, and with a known speed not far beyond
-        planned = sum(sense * edge < sense * phase.beta_end for edge in edges[:-1])
-    near = planned + (NEAR if np.isfinite(dbeta) else 0)
-    cuts = sorted({0, planned, min(near, count), count})
+    # where nothing stops it a phase goes through all panels, one that rises through those up to its planned end
+    together = sum(sense * edge < sense * phase.beta_end for edge in edges[:-1]) if to_barrier else len(edges) - 1
+    groups = [edges[a : b + 1] for a, b in pairwise(sorted({0, together, len(edges) - 1}))]
     why, pieces = "", list[_Piece]()
-    for piece, why in _pieces(biped, phase, [edges[a : b + 1] for a, b in pairwise(cuts)], to_barrier):
+    for piece, why in _pieces(biped, phase, groups, to_barrier):
         if piece is not None:
             pieces.append(piece)
             enough = piece.integrals.spent_at[:, -1] >= 0.5 * (pieces[0].restricted.I_P[0] * dbeta) ** 2

@@ -5,6 +5,7 @@ the phase that begins. The walking controller and the restricted return map ask 
 describes what is walked.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Generic, Protocol, TypeVar
@@ -28,7 +29,7 @@ from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase
 from frontal_biped.virtual_constraints.piecewise import ContinuedPhase
 from frontal_biped.zero_dynamics.energy import PhaseEnergy
 from frontal_biped.zero_dynamics.half_steps import ConstrainedState, rising_energy, stretch_to_reversal
-from frontal_biped.zero_dynamics.restricted import restrict
+from frontal_biped.zero_dynamics.restricted import RestrictedDynamics, project_dynamics
 
 T = TypeVar("T")
 
@@ -215,16 +216,11 @@ class ReanchoringTransitions:
 
     def _rejoin_of(self, planned: Phase, rising: RisingConstraints, reversal: float) -> float:
         as_planned = planned is self.gait.falling
-        own = self._planned_inertia if as_planned else self._least_inertia(planned, planned.beta_start)
-        floor = ENOUGH_INERTIA * own
-        best, most = REJOINS[0], -np.inf
-        for rejoin in REJOINS:
-            least = self._least_inertia(anchored_falling(planned, rising, reversal, rejoin), reversal)
-            if least > most:
-                best, most = rejoin, least
-            if least >= floor:
-                break
-        return best
+        own = self._planned_inertia if as_planned else self._least_inertia([planned], planned.beta_start).item()
+        phases = [anchored_falling(planned, rising, reversal, rejoin) for rejoin in REJOINS]
+        least = self._least_inertia(phases, reversal)
+        enough = least >= ENOUGH_INERTIA * own
+        return REJOINS[int((enough if enough.any() else least).argmax())]
 
     @cached_property
     def _planned_reversal(self) -> ConstrainedMotion:
@@ -232,12 +228,15 @@ class ReanchoringTransitions:
 
     @cached_property
     def _planned_inertia(self) -> float:
-        return self._least_inertia(self.gait.falling, self.gait.falling.beta_start)
+        return self._least_inertia([self.gait.falling], self.gait.falling.beta_start).item()
 
-    def _least_inertia(self, phase: VirtualConstraints, start: float) -> float:
-        """Smallest I_P of a falling phase [kg m^2]."""
-        beta = start + (phase.beta_end - start) * np.linspace(0.0, 1.0, LOOKS)
-        return float(np.min(restrict(self.biped, phase, beta).I_P))
+    def _least_inertia(self, phases: Sequence[VirtualConstraints], start: float) -> FloatArray:
+        """Smallest I_P of each of several falling phases between the same ends [kg m^2]."""
+        beta = start + (phases[0].beta_end - start) * np.linspace(0.0, 1.0, LOOKS)
+        motions = zip(*(phase.motion(beta) for phase in phases), strict=True)
+        motion = ConstrainedMotion(*map(np.concatenate, motions))
+        restricted = RestrictedDynamics(project_dynamics(self.biped, motion), motion.p_fri, motion.dp_fri)
+        return restricted.I_P.reshape(len(phases), LOOKS).min(axis=1)
 
 
 @dataclass(frozen=True, eq=False)
