@@ -22,6 +22,8 @@ ROBUSTNESS_FIGURES: dict[str, str] = {
 
 _LOOKS = ((VERMILION, "o", "-"), (BLUE, "s", "--"), (GREEN, "^", "-."), (PURPLE, "D", ":"))
 
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
 
 @styled
 def sensitivity(runs: Sequence[LossOfInvariance]) -> "Figure":
@@ -53,11 +55,18 @@ def sensitivity(runs: Sequence[LossOfInvariance]) -> "Figure":
         ax.set_xlabel("|error| [rad]")
         ax.axhline(1e-6, color=BLACK, linewidth=0.8, linestyle=(0, (2, 2)))
         ax.margins(0.06)
+        for axis in (ax.xaxis, ax.yaxis):
+            axis.set_major_formatter(_power_of_ten)
     early.set_ylabel(r"largest $|q_b - h_d|$ [rad]")
     # half-way along, where the first error is too large and the second too small for a marker near the line
     early.text(0.5, 1.25e-6, "1e-6", transform=early.get_yaxis_transform(), fontsize=8.0, va="bottom", ha="center")
     figure.legend(*early.get_legend_handles_labels(), loc="outside upper left", ncols=2, columnspacing=1.0)
     return figure
+
+
+def _power_of_ten(value: float, _: object = None) -> str:
+    """Of a tick, in plain letters: formulas of the ticks take a fifth of the time to draw the figure."""
+    return "10" + f"{np.log10(value):.0f}".translate(_RAISED)
 
 
 def smooth(x: FloatArray, y: FloatArray, points: int = 20) -> tuple[FloatArray, FloatArray]:
