@@ -32,7 +32,9 @@ def test_errors_and_what_is_asked_of_them(q, dq, rate, h_d, h_d1, h_d2):
     assert_close(ddy, v, ROUNDING, floor=FREQUENCY**2)
     assert_close(errors.asked(y, dy), v, ROUNDING, floor=FREQUENCY**2)
     assert_close(curve, h_d2 * rate**2, ROUNDING, floor=1.0)
-    np.testing.assert_array_equal(line, Targets(h_d1, curve, ddy, 0.0).line())
+    targets = Targets(h_d1, curve, ddy, 0.0)
+    np.testing.assert_array_equal(line, targets.line())
+    np.testing.assert_array_equal(line[1], targets.slope())
 
 
 @given(q=vectors(-1.9, -1.2, 4), dq=vectors(-1.0, 1.0, 4), h_d=three, h_d1=three, h_d2=three)
@@ -43,6 +45,7 @@ def test_the_line_over_the_sway_is_that_of_its_targets(biped, q, dq, h_d, h_d1, 
     targets = Targets(h_d1, curve, ddy, 0.0, sway=sway)
     a, c = over_sway(line, sway)
     np.testing.assert_array_equal((a, c), targets.line())
+    np.testing.assert_array_equal(c, targets.slope())
     size = 1.0 + np.abs(line).max()
     assert abs(sway.J @ c - 1.0) < 1e-12 * size
     assert abs(sway.J @ a + sway.drift) < 1e-12 * size
