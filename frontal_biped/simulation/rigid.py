@@ -7,6 +7,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.interface import Reading
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.chain import UPRIGHT
 from frontal_biped.model.perturbation import ModelErrors, Plant
 from frontal_biped.model.stance_map import Stance, relabel
 from frontal_biped.model.state import State
@@ -80,13 +81,14 @@ class RigidEngine:
     def read(self, t: float) -> Reading:
         """True values of everything a sensor measures."""
         coordinates, stance, (q, dq) = self.biped.stance_map, self.stance, self.state
+        outwards, left_stands = -stance.sign, stance.sign > 0.0
         return Reading(
             t,
             coordinates.positions_to_urdf(q, stance),
             coordinates.velocities_to_urdf(dq, stance),
-            -stance.sign * float(self.biped.pelvis_roll(q)),
-            -stance.sign * float(dq[0] + dq[1]),
-            (stance is Stance.LEFT, stance is Stance.RIGHT),
+            outwards * (q.item(0) + q.item(1) - 2.0 * UPRIGHT),  # the pelvis' roll, without an array of it
+            outwards * (dq.item(0) + dq.item(1)),
+            (left_stands, not left_stands),
         )
 
     def stance_state(self, stance: Stance) -> State:

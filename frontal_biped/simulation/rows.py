@@ -24,13 +24,14 @@ class Rows:
 
     def add(self, values: Mapping[str, ArrayLike]) -> None:
         """Add a row: a number, or an array of them, for every column."""
-        opens, at = not self._room, BLOCK - self._room if self._room else 0
+        if not self._room:
+            for name, blocks in self._columns.items():
+                blocks.append(np.empty((BLOCK, *np.shape(values[name]))))
+            self._room = BLOCK
+        at = BLOCK - self._room
         for name, blocks in self._columns.items():
-            value = values[name]
-            if opens:
-                blocks.append(np.empty((BLOCK, *np.shape(value))))
-            blocks[-1][at] = value
-        self._room = BLOCK - at - 1
+            blocks[-1][at] = values[name]
+        self._room -= 1
 
     def add_many(self, values: Mapping[str, FloatArray]) -> None:
         """Add rows: an array (m, ...) for every column, which is kept."""

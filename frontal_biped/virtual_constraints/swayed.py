@@ -171,13 +171,15 @@ class BegunPhase:
     ) -> None:
         self._planned = planned
         sense = 1.0 if planned.end > planned.start else -1.0
-        self._start, self._end_error = s, other_end.error
+        self._start = s
+        self._end_error = other_end.error if other_end.error.any() else None
         least = min(LEAST_RANGE, abs(planned.end - planned.start))
         self._length = sense * max(sense * (planned.end + other_end.further - s), least)
         # begun on its way, it is what is left of the plan
         self._from = s if 0.0 < sense * (s - planned.start) < sense * (planned.end - planned.start) else planned.start
         self._stretch = (planned.end - self._from) / self._length
-        self._errors = np.stack([error - other_end.error, slope_error])
+        self._errors = np.zeros((2, 4))  # none of the FRI target
+        self._errors[:, BODY] = error - other_end.error, slope_error
 
     def at(self, s: float) -> SwayTargets:
         """What is asked for at a sway s [m]."""
@@ -207,9 +209,10 @@ class BegunPhase:
             w, short = 1.0 - x, SLOPE_SHARE * length
             b, b_1, b_2 = short * x * w * w, w * w - 2.0 * x * w, (2.0 * x - 4.0 * w) / short
         h = np.array((a, b, a_1, b_1, a_2, b_2)).reshape(3, 2).dot(self._errors)
-        h += planned[:, BODY]
-        h[0] += self._end_error
-        return SwayTargets(h[0], h[1], h[2], planned.item(3))
+        h += planned
+        if self._end_error is not None:
+            h[0, BODY] += self._end_error
+        return SwayTargets(h[0, BODY], h[1, BODY], h[2, BODY], h.item(3))
 
 
 def runs_one_way(biped: FrontalBiped, phases: Iterable[Phase]) -> bool:

@@ -71,6 +71,13 @@ class Targets(NamedTuple):
         line = np.array((0.0, *a.tolist(), 1.0, *c.tolist())).reshape(2, JOINTS)
         return line if self.sway is None else over_sway(line, self.sway)
 
+    def slope(self) -> FloatArray:
+        """(4,) c of the line alone."""
+        c = np.array((1.0, *self.h_d1.tolist()))
+        if self.sway is not None:
+            c[0] = (1.0 - self.sway.J[1:].dot(self.h_d1).item()) / self.sway.J.item(0)
+        return c
+
     def of_outputs(self) -> FloatArray:
         """(4, 4) accelerations that the outputs' residuals take at an unchanged rate of the phase's variable."""
         if self.sway is None:
@@ -138,7 +145,7 @@ class StanceDynamics(NamedTuple):
         """
         m = self.M[F_V, BASE:] * -targets.p_fri
         m += self.M[N_0, BASE:]
-        c, of_outputs = targets.line()[1], a_0 * targets.of_outputs()
+        c, of_outputs = targets.slope(), a_0 * targets.of_outputs()
         k = m.dot(of_outputs)
         k *= -1.0
         k[FRI] = T_0

@@ -28,7 +28,8 @@ class OverSway:
     def __init__(self, biped: FrontalBiped, controller: QpController, law: FrontalLaw) -> None:
         self._controller, self.law = controller, law
         self._stance_model, self._mass = StanceModel(biped), biped.mass
-        self._last: tuple[FloatArray, float] | None = None  # of the last tick: c of the line it took, and its FRI target
+        # of the last tick: c of the line that it took, and its FRI target
+        self._last: tuple[FloatArray, float] | None = None
         self._seen: tuple[State, StanceDynamics, Sway] | None = None
 
     def reset(self, stance: Stance) -> None:

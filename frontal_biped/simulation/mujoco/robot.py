@@ -127,12 +127,12 @@ class MujocoRobot:
     @property
     def joint_positions(self) -> FloatArray:
         """(4,) URDF joint angles [rad]."""
-        return self._qpos[self._q_at]
+        return self._qpos.take(self._q_at)
 
     @property
     def joint_velocities(self) -> FloatArray:
         """(4,) [rad/s]."""
-        return self._qvel[self._v_at]
+        return self._qvel.take(self._v_at)
 
     @property
     def base_roll(self) -> float:
@@ -218,11 +218,15 @@ class MujocoRobot:
 
     def foot_position(self, stance: Stance) -> tuple[float, float]:
         """y of a foot's ankle [m] and the foot's rotation about +X [rad]."""
+        return self._xpos.item(self._feet[stance], 1), self.foot_rotation(stance)
+
+    def foot_rotation(self, stance: Stance) -> float:
+        """Rotation of a foot about +X [rad]."""
         qpos = self._qpos
         rotation = qpos.item(self._roll_q)
         for place, sign, reference in self._turns[stance]:
             rotation += sign * (qpos.item(place) - reference)
-        return self._xpos.item(self._feet[stance], 1), rotation
+        return rotation
 
     def clearance(self, stance: Stance) -> float:
         """Height of the lowest point of a foot's sole above z = 0 [m]."""

@@ -108,11 +108,11 @@ class MujocoEngine(MujocoRobot):
 
     def _fate(self) -> EventKind | str | None:
         """How the robot has fallen, if it has."""
-        if not isfinite(self._qpos.dot(self._qpos)):
+        if not isfinite(sum(self._qpos.tolist())):
             return DIVERGED
         if self.height < self._lowest:
             return EventKind.COLLAPSED
         for side, touches in zip(BOTH, self.contact, strict=True):
-            if touches and abs(self.foot_position(side)[1]) > TIPPED:
+            if touches and abs(self.foot_rotation(side)) > TIPPED:
                 return EventKind.TIPPED_OUTWARDS if self.com_offset(side) < 0.0 else EventKind.EDGE_LANDING
         return None
