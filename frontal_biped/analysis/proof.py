@@ -29,8 +29,8 @@ A certificate is a JSON file:
                 the ball ``margin``, and verdicts ``proved``, within the tolerance, and ``exactly``, without
 ``basin``       speeds after the impact that return under the stabiliser named, without looking ahead: ``low`` and
                 ``high`` relative to the orbit's, ball ``factor`` of the energy error in a step, verdict ``proved``,
-                ``looking_ahead``: low and high of "adaptive"; and what it rests on, ``beyond`` and ``tiles`` [rad];
-                ``limited_by``: what stood in the way of lower and of higher speeds
+                ``looking_ahead``: low and high of "adaptive"; and what it rests on, ``beyond``, ``alike`` and ``tiles``
+                [rad]; ``limited_by``: what stood in the way of lower and of higher speeds
 ``sha256``      of all the rest
 ==============  ====================================================================================================
 

@@ -108,7 +108,8 @@ def evidence_from_dict(path: Path, stored: dict[str, Any]) -> tuple[Regions, Evi
     basin = stored.get("basin", NO_BASIN)
     if basin["tiles"] is not None:
         limited_by = str(basin["limited_by"][0]), str(basin["limited_by"][1])
-        basin = BasinTiles(float(basin["beyond"]), tuple(float(end) for end in basin["tiles"]), limited_by)
+        tiles_of = tuple(float(end) for end in basin["tiles"])
+        basin = BasinTiles(float(basin["beyond"]), tiles_of, limited_by, float(basin["alike"]))
     else:
         basin = None
     return regions, Evidence(pieces, partition, float(stored["convergence"]["radius"]), tiles, cuts, basin)
@@ -198,6 +199,7 @@ def _basin_listed(basin: ProvedBasin) -> dict[str, Any]:
         "looking_ahead": list(basin.looking_ahead),
         "factor": _ball(basin.factor),
         "beyond": basin.beyond,
+        "alike": basin.alike,
         "tiles": list(basin.tiles),
         "limited_by": [basin.low_limited_by, basin.high_limited_by],
     }

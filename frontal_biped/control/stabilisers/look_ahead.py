@@ -346,7 +346,7 @@ class LookAheadTransitions:
         return ContactMargins(self.biped, self.gait)
 
     @cached_property
-    def _required(self) -> dict[str, float]:
+    def required(self) -> dict[str, float]:
         """By limit, the margin to keep: the reserve, or half of what the gait itself keeps."""
         gait = self.gait
         energy: PhaseEnergy = rising_energy(self.biped, self.plain.planned_rising)
@@ -358,5 +358,5 @@ class LookAheadTransitions:
 
     def _room(self, margins: list[Margin]) -> float:
         """Least margin beyond what is to be kept [-]."""
-        room = min(margin.value - self._required[margin.name] for margin in margins)
+        room = min(margin.value - self.required[margin.name] for margin in margins)
         return room if np.isfinite(room) else -np.inf
