@@ -2,15 +2,17 @@
 
 from collections.abc import Mapping
 
-from frontal_biped.control.stabilisers.look_ahead import NEAR, LookAheadTransitions
+from frontal_biped.control.stabilisers.look_ahead import NEAR, LookAheadTransitions, made_for
 from frontal_biped.control.stabilisers.transitions import ENOUGH_INERTIA, LOOKS, REJOINS, ReanchoringTransitions
 from frontal_biped.gait.check import FLAT_TOLERANCE, ROUNDING
 from frontal_biped.gait.constraints import HEIGHT, IMPULSE, SPEED, SoleHeights, sole_heights, step_constraints
 from frontal_biped.gait.gait import MIN_NODES, Gait
 from frontal_biped.gait.holding_wrench import step_holding
+from frontal_biped.gait.look_ahead_table import Way
 from frontal_biped.gait.margins import ContactMargins
 from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.zero_dynamics.proof.choices import Choice
 from frontal_biped.zero_dynamics.proof.limits import BallOrbit, Bound
 from frontal_biped.zero_dynamics.proof.perturbed_steps import PerturbedSteps, Rejoining, Reserve
 from frontal_biped.zero_dynamics.proof.reversals import Tapers
@@ -93,6 +95,22 @@ def _kept_within(bound: Bound, required: Mapping[str, float], biped: FrontalBipe
     lower = None if bound.lower is None else bound.lower + distance
     upper = None if bound.upper is None else bound.upper - distance
     return bound._replace(lower=lower, upper=upper, strict=False, tolerance=0.0)
+
+
+def choices(biped: FrontalBiped, gait: Gait) -> list[Choice]:
+    """The answers of the gait's table, if it has one that was made for it, by the method there is."""
+    table = gait.look_ahead
+    if table is None or table.made_for != made_for(biped, gait):
+        return []
+    law, found = LookAheadTransitions(biped, gait), []
+    for low, high, choice, reversals in zip(table.low, table.high, table.choices, table.reversals, strict=True):
+        stretch, descent = choice
+        rising = law.planned(stretch)
+        tapers = Tapers(rising.taper, rising.curvature_taper, rising.fri_taper)
+        c = None if descent.rejoin is None else REJOINS[descent.rejoin]
+        past_end = (float(reversals[0]) - rising.beta_end, float(reversals[1]) - rising.beta_end)
+        found.append(Choice(float(low), float(high), stretch, tapers, descent.way is Way.RESCALED, c, past_end))
+    return found
 
 
 def contact_bounds(biped: FrontalBiped, gait: Gait) -> list[Bound]:

@@ -236,6 +236,10 @@ class LookAheadTransitions:
             return self._planned_longer[stretch]
         return self._lengthened(phase, stretch)
 
+    def planned(self, stretch: float) -> ContinuedPhase:
+        """The rising phase after a landing as planned, stretched relative to its range [-]."""
+        return self._longer(self.plain.planned_rising, stretch)
+
     @cached_property
     def _planned_longer(self) -> dict[float, ContinuedPhase]:
         """The phase of a landing as planned by its stretch: some dozen, met at every such landing."""

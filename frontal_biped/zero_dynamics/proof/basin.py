@@ -62,6 +62,7 @@ class ProvedBasin:
         high_limited_by: what kept higher ones.
         looking_ahead: speeds that return when looking ahead, too, relative to the orbit's [-].
         alike: the latest reversal at which that changes nothing, as far as it was asked, past the planned one [rad].
+        rejoins: every c over which falling phases rejoin their path after an early reversal.
     """
 
     low: float
@@ -74,6 +75,7 @@ class ProvedBasin:
     high_limited_by: str = ""
     looking_ahead: tuple[float, float] = (1.0, 1.0)
     alike: float = 0.0
+    rejoins: frozenset[float] = frozenset()
 
     @property
     def proved(self) -> Proof:
@@ -158,7 +160,9 @@ def prove_basin(steps: PerturbedSteps, rests_on: BasinTiles | None = None) -> Pr
     low, high = _rounded_up(steps.early_speed(early.ends[-1])), _late_speed(steps, late.energy)
     why = (early.why, late.why) if rests_on is None else rests_on.limited_by
     ahead = _looking_ahead(steps, alike, (low, high))
-    return ProvedBasin(low, high, early.factor, late.beyond, early.ends, early.limits, *why, ahead, alike)
+    return ProvedBasin(
+        low, high, early.factor, late.beyond, early.ends, early.limits, *why, ahead, alike, early.rejoins
+    )
 
 
 def _looking_ahead(steps: PerturbedSteps, alike: float, basin: tuple[float, float]) -> tuple[float, float]:
@@ -228,12 +232,14 @@ class _Early(NamedTuple):
         factor: of the energy error in a step, at most [-].
         limits: kept from here to the latest reversal.
         why: what stands in the way of earlier ones.
+        rejoins: every c over which the falling phases rejoin their path.
     """
 
     ends: tuple[float, ...]
     factor: Ball
     limits: tuple[ProvedLimit, ...]
     why: str
+    rejoins: frozenset[float] = frozenset()
 
     def down_to(self, steps: PerturbedSteps, end: float) -> "_Early":
         """With one tile more.
@@ -241,13 +247,13 @@ class _Early(NamedTuple):
         Raises:
             NotEnclosedError: it does not return, or a limit is not kept, as far as balls can tell.
         """
-        q, paths = steps.early(self.ends[-1], end)
+        q, paths, c = steps.early(self.ends[-1], end)
         shrinks = steps.orbit.multiplier * q
         _require(bool(shrinks >= 0 and shrinks < 1), "the speed may go away from the orbit's")
         own = steps.limits_along(paths, steps.bounds)
         _require_kept(own)
         limits = tuple(_tighter(limit, own) for limit in self.limits)
-        return _Early((*self.ends, end), max(self.factor, shrinks.upper()), limits, self.why)
+        return _Early((*self.ends, end), max(self.factor, shrinks.upper()), limits, self.why, self.rejoins | {c})
 
 
 def _earliest(steps: PerturbedSteps, found: _Early, range_: float) -> _Early:

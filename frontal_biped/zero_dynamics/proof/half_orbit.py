@@ -29,7 +29,7 @@ from frontal_biped.zero_dynamics.proof.balls import (
     series,
 )
 from frontal_biped.zero_dynamics.proof.chain import BallChain
-from frontal_biped.zero_dynamics.proof.half_path import HalfPath, OnZ, Path, Projected, require_positive
+from frontal_biped.zero_dynamics.proof.half_path import OnZ, Path, Projected, require_positive
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.ranges import controls
 
@@ -165,7 +165,7 @@ class HalfOrbit:
         duration: [s].
     """
 
-    path: HalfPath
+    path: Path
     panels: tuple[Panel, ...]
     rows: dict[str, list[list[Ball]]]
     squares: dict[str, list[list[Ball]]]
@@ -190,18 +190,19 @@ class HalfOrbit:
         return [0.0, *(float(panel.high) for panel in self.panels)]
 
     @classmethod
-    def of(cls, path: HalfPath, cuts: Sequence[float] | None = None) -> "HalfOrbit":
+    def of(cls, path: Path, cuts: Sequence[float] | None = None, fine: float = FINE) -> "HalfOrbit":
         """The orbit on a path.
 
         Args:
-            path: the path.
+            path: the path, from a reversal to an impact.
             cuts: ends of panels that are known to do; None: they are sought.
+            fine: as `walk` has it.
 
         Raises:
             NotEnclosedError: I_P may vanish, the ground pull, or the robot not move, as far as balls can tell.
         """
         rows: dict[str, list[list[Ball]]] = {}
-        duration, walked = arb(0), list(walk(path, _orbit_rows, cuts))
+        duration, walked = arb(0), list(walk(path, _orbit_rows, cuts, fine))
         for panel, _, own in walked:
             for name, taylor in own.items():
                 rows.setdefault(name, []).append(controls(taylor, panel.h))
@@ -210,7 +211,7 @@ class HalfOrbit:
         rows.pop(TIME)
         squares = {f"{joint} speed": rows.pop(f"{joint} speed") for joint in JOINTS}
         on_ground = path.at(arb(1)).heights
-        rows[HEIGHT] = [controls(taylor, h) for taylor, h in _lifted(panels, on_ground)]
+        rows[HEIGHT] = [controls(taylor, h) for taylor, h in lifted(panels, on_ground)]
         return cls(path, panels, rows, squares, at.L, at.W, on_ground, duration)
 
 
@@ -291,7 +292,7 @@ def _time(sigma: list[Ball], panel: Panel) -> Ball:
     return total
 
 
-def _lifted(panels: Sequence[Panel], on_ground: list[Ball]) -> Iterator[tuple[list[Ball], Ball]]:
+def lifted(panels: Sequence[Panel], on_ground: list[Ball]) -> Iterator[tuple[list[Ball], Ball]]:
     """The height of either end of the sole over the share of the way from the impact, and halves of the widths.
 
     Heights are counted from where the ends are at the impact.

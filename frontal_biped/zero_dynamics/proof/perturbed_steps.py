@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from frontal_biped.zero_dynamics.proof.balls import Ball, arb, coefficient, is_negative, is_positive
-from frontal_biped.zero_dynamics.proof.half_orbit import DEEPEST, HEIGHT, HalfOrbit, Panel, Passed, Rows, walk
+from frontal_biped.zero_dynamics.proof.half_orbit import DEEPEST, HEIGHT, HalfOrbit, Panel, Passed, Rows, lifted, walk
 from frontal_biped.zero_dynamics.proof.half_path import Path
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.limits import BallOrbit, Bound, ProvedLimit
@@ -48,6 +48,20 @@ class Rejoining(NamedTuple):
     looks: int
 
 
+class Rejoined(NamedTuple):
+    """Early reversals.
+
+    Attributes:
+        q: of all of them [-].
+        paths: what is bounded on the falling phases until they rejoin the path.
+        c: over which they do.
+    """
+
+    q: Ball
+    paths: Paths
+    c: float
+
+
 class Reserve(NamedTuple):
     """When transitions that look ahead answer as those that do not (`looking_ahead`).
 
@@ -61,7 +75,7 @@ class Reserve(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Piece:
+class PathPiece:
     """A path below a reversal, with what is bounded along it.
 
     Attributes:
@@ -75,7 +89,7 @@ class _Piece:
     M: Ball
 
     @classmethod
-    def of(cls, path: Path, at_rest: bool, deepest: int = DEEPEST) -> "_Piece":
+    def of(cls, path: Path, at_rest: bool, deepest: int = DEEPEST) -> "PathPiece":
         """A path that is not the planned one.
 
         Args:
@@ -103,6 +117,27 @@ class _Piece:
         rows[HEIGHT] = rows.pop(INNER) + rows.pop(OUTER)
         return cls(rows, at.L, at.W)
 
+    @classmethod
+    def to_impact(cls, path: Path, panels: int) -> "PathPiece":
+        """A whole falling path, walked from rest at its reversal.
+
+        Args:
+            path: the path.
+            panels: into which it is cut.
+
+        Raises:
+            NotEnclosedError: as `of`.
+        """
+        cuts = [k / panels for k in range(panels + 1)]
+        walked = list(walk(path, lambda panel: _contact_rows(panel, 0, False), cuts))
+        rows: Controls = {}
+        for panel, _, own in walked:
+            for name, taylor in own.items():
+                rows.setdefault(name, []).append(controls(taylor, panel.h))
+        on_ground, at = path.at(arb(1)).heights, walked[-1][1]
+        rows[HEIGHT] = [controls(taylor, h) for taylor, h in lifted([panel for panel, _, _ in walked], on_ground)]
+        return cls(rows, at.L, at.W)
+
 
 INNER, OUTER = "height of the inner end", "height of the outer end"
 """Rows of a path on which the sole does not come down [m]."""
@@ -127,7 +162,7 @@ def _contact_rows(panel: Panel, more: Ball | int, at_rest: bool) -> Rows:
     return rows
 
 
-def _on_planned(orbit: HalfOrbit, more: Ball) -> Controls:
+def on_planned(orbit: HalfOrbit, more: Ball) -> Controls:
     """Rows of the planned path, for all motions with at most so much more energy.
 
     Raises:
@@ -189,35 +224,41 @@ class PerturbedSteps:
             beyond: where, past the planned one [rad]; 0: nowhere later.
 
         Raises:
-            NotEnclosedError: as `_Piece.of`.
+            NotEnclosedError: as `PathPiece.of`.
         """
         up, down = self.orbit.rising, self.orbit.falling
         more, pieces = arb(0), []
         if beyond > 0.0:
-            piece = _Piece.of(LatePath.of(self._mismatch.rising, self.tapers, beyond), at_rest=True)
+            piece = PathPiece.of(LatePath.of(self._mismatch.rising, self.tapers, beyond), at_rest=True)
             more = piece.L.exp() * piece.M * arb(beyond)
             pieces = [piece.rows]
-        return more, {"rising": [_on_planned(up, more), *pieces], "falling": [_on_planned(down, more), *pieces]}
+        return more, {"rising": [on_planned(up, more), *pieces], "falling": [on_planned(down, more), *pieces]}
 
     # ------------------------------------------------------------------ early
-    def early(self, nearest: float, farthest: float) -> tuple[Ball, Paths]:
-        """q of all reversals between two [-], and what is bounded on their falling phases until they rejoin the path.
+    def early(self, nearest: float, farthest: float) -> Rejoined:
+        """All reversals between two.
 
         Args:
             nearest: to the planned reversal, before it [rad].
             farthest: from it [rad].
 
         Raises:
-            NotEnclosedError: as `_Piece.of`, or it is not known which c is chosen.
+            NotEnclosedError: as `rejoined`, or it is not known which c is chosen.
         """
-        up, down = self.orbit.rising, self.orbit.falling
-        d = arb(nearest).union(arb(farthest))
-        path = self.chosen(d)
-        piece, c = _Piece.of(path, at_rest=False, deepest=SHORT), path.c
-        _, M_r = at_share(up, d / up.path.span)
+        return self.rejoined(self.chosen(arb(nearest).union(arb(farthest))))
+
+    def rejoined(self, path: EarlyPath) -> Rejoined:
+        """All reversals of a path.
+
+        Raises:
+            NotEnclosedError: as `PathPiece.of`.
+        """
+        up, down, c = self.orbit.rising, self.orbit.falling, path.c
+        piece = PathPiece.of(path, at_rest=False, deepest=SHORT)
+        _, M_r = at_share(up, path.d / up.path.span)
         L_f, M_f = at_share(down, path.share(arb(1)))
         q = ((1 + arb(c)) * M_f - arb(c) * (piece.L - L_f).exp() * piece.M) / M_r
-        return q, {"falling": [piece.rows]}
+        return Rejoined(q, {"falling": [piece.rows]}, c)
 
     def early_speed(self, d: float) -> Ball:
         """The speed after the impact that reverses so early [rad], relative to the orbit's."""

@@ -125,7 +125,7 @@ class Mismatch:
     def at(self, d: Ball) -> tuple[list[Ball], list[Ball], Ball]:
         """nu (3,), mu (3,) and pi for all d of a ball [rad]."""
         nu, mu, pi = self._polynomials
-        return [_value(p, d) for p in nu], [_value(p, d) for p in mu], _value(pi, d)
+        return [polynomial_at(p, d) for p in nu], [polynomial_at(p, d) for p in mu], polynomial_at(pi, d)
 
 
 @dataclass(frozen=True)
@@ -175,13 +175,13 @@ class EarlyPath(Path):
         more: list[list[Number]] = [[nothing], [nothing], [nothing]]
         for columns in self.columns:
             for k, scale in enumerate((d * d, d / c, 1 / (c * c))):
-                more[k].append(combined(_derived(columns, k), bases[k]) * scale)
+                more[k].append(combined(derived(columns, k), bases[k]) * scale)
         links = [sums(part) for part in more]
         fri = [arb(0)] * 3 + [self.pi] * 3
         angles = [_added(a, b) for a, b in zip(path[:3], links, strict=True)]
         joints = [_added(a, b) for a, b in zip(path[3:6], more, strict=True)]
         p_fri = path.p_fri + combined(fri, bases[0]) * d
-        dp_fri = path.dp_fri + combined(_derived(fri, 1), bases[1]) / c
+        dp_fri = path.dp_fri + combined(derived(fri, 1), bases[1]) / c
         return Shape(angles[0], angles[1], angles[2], joints[0], joints[1], joints[2], p_fri, dp_fri)
 
 
@@ -189,7 +189,7 @@ def _added(x: Sequence[Number], y: Sequence[Number]) -> list[Number]:
     return [a + b for a, b in zip(x, y, strict=True)]
 
 
-def _derived(columns: Sequence[Ball], times: int) -> list[Ball]:
+def derived(columns: Sequence[Ball], times: int) -> list[Ball]:
     """Bezier columns of a derivative by x."""
     found = list(columns)
     for _ in range(times):
@@ -198,7 +198,8 @@ def _derived(columns: Sequence[Ball], times: int) -> list[Ball]:
     return found
 
 
-def _value(polynomial: Sequence[Ball], x: Ball) -> Ball:
+def polynomial_at(polynomial: Sequence[Ball], x: Ball) -> Ball:
+    """The value of a polynomial, by coefficients from the constant on."""
     total = arb(0)
     for a in reversed(polynomial):
         total = total * x + a
