@@ -31,11 +31,15 @@ A certificate is a JSON file:
                 ``high`` relative to the orbit's, ball ``factor`` of the energy error in a step, verdict ``proved``,
                 ``looking_ahead``: low and high of "adaptive"; and what it rests on, ``beyond``, ``alike`` and ``tiles``
                 [rad]; ``limited_by``: what stood in the way of lower and of higher speeds
+``choices``     speeds after the impact that return under the answers of the gait's table, ``look_ahead``: ``low`` and
+                ``high``, ball ``factor``, verdict ``proved``, "undecided" where there is no table; and what it rests
+                on, ``tiles``: of intervals of the table, by their place, reversals before the end of the stretched
+                rising phase [rad]; ``limited_by`` as of ``basin``
 ``sha256``      of all the rest
 ==============  ====================================================================================================
 
 A ball is {"mid": "m*2^e", "rad": "m*2^e"}, exactly; one that is not known is null. From before they were proved there
-are files without ``imposed``, ``attraction``, ``limits`` and ``basin``, which make no such statements.
+are files without ``imposed``, ``attraction``, ``limits``, ``basin`` and ``choices``, which make no such statements.
 """
 
 import hashlib
@@ -48,7 +52,7 @@ from pathlib import Path
 from typing import Any
 
 from frontal_biped.analysis.proof_content import REMEDY, evidence_from_dict, proof_to_dict, require_same
-from frontal_biped.analysis.proof_inputs import asked_bounds, perturbed_steps
+from frontal_biped.analysis.proof_inputs import asked_bounds, choices, perturbed_steps
 from frontal_biped.exceptions import ProofError
 from frontal_biped.files.atomic import write_json
 from frontal_biped.files.kinds import PROOF
@@ -148,7 +152,8 @@ def _proved(biped: FrontalBiped, gait: Gait, regions: Regions, evidence: Evidenc
     free = free_parameters(gait.rising, gait.falling, gait.step_width)
     try:
         with working():
-            asked = Asked(asked_bounds(biped, gait), biped.sole, partial(perturbed_steps, biped, gait))
+            steps = partial(perturbed_steps, biped, gait)
+            asked = Asked(asked_bounds(biped, gait), biped.sole, steps, choices(biped, gait))
             return ProofCertificate(gait, prove_parameters(decimal_chain(biped), free, regions, asked, evidence))
     except NotEnclosedError as error:
         raise ProofError(f"{gait.robot.name}: {error}: the balls are too wide to tell whether it exists") from None

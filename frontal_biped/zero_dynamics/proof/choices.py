@@ -29,6 +29,7 @@ from typing import NamedTuple
 
 from frontal_biped.zero_dynamics.proof.balls import Ball, arb
 from frontal_biped.zero_dynamics.proof.basin import ProvedBasin
+from frontal_biped.zero_dynamics.proof.families import Family
 from frontal_biped.zero_dynamics.proof.half_orbit import HalfOrbit
 from frontal_biped.zero_dynamics.proof.half_path import HalfPath, Path
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
@@ -51,7 +52,7 @@ SLACK = 2e-9
 PAST = 1e-6
 """Reversal by which it is, likewise [rad]."""
 
-FIRST_TILE, WIDENING, LEAST_TILE = 1 / 512, 1.5, 1 / 65536
+FIRST_TILE, WIDENING, LEAST_TILE = 1 / 128, 1.5, 1 / 65536
 """Width of the first tile of an interval, as a share of the range of the planned rising phase; factor to the next, at
 most; width below which a tile is not halved again.
 """
@@ -348,7 +349,7 @@ class _Interval:
         self._require_kept({"rising": [on_planned(paths.up, mores[1]), pieces[1].rows], "falling": [rows]})
         return _Reached((-last, -first), self._factor(slowest, x_next), self.choice.high, "")
 
-    def _rescaled(self, path: RescaledPath) -> tuple[Ball, Controls]:
+    def _rescaled(self, path: Path) -> tuple[Ball, Controls]:
         piece = PathPiece.to_impact(path, PANELS)
         return piece.L.exp() * piece.M * path.span / self.steps.orbit.falling.z - 1, piece.rows
 
@@ -394,7 +395,9 @@ class _Interval:
         d = arb(nearest).union(arb(farthest))
         if choice.rescaled:
             planned = _half_path(orbit.falling)
-            path = RescaledPath.early(paths.rising, planned, orbit.gait.end, paths.falling.span, d)
+            path = Family.of(
+                lambda d: RescaledPath.early(paths.rising, planned, orbit.gait.end, paths.falling.span, d), d
+            )
             x_next, rows = self._rescaled(path)
             self._require_kept({"falling": [rows]})
             return x_next

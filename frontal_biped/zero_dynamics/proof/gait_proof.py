@@ -9,6 +9,7 @@ from frontal_biped.zero_dynamics.proof.attraction import Attraction, Tiles, attr
 from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.basin import BasinTiles, ProvedBasin, no_basin, prove_basin
 from frontal_biped.zero_dynamics.proof.chain import BallChain
+from frontal_biped.zero_dynamics.proof.choices import Choice, ChoiceTiles, ProvedChoices, no_choices, prove_choices
 from frontal_biped.zero_dynamics.proof.imposed_zeros import ImposedZeros, Interval, Partition, imposed_zeros
 from frontal_biped.zero_dynamics.proof.limits import BallOrbit, Bound, Cuts, ProvedLimits, prove_limits, without_panels
 from frontal_biped.zero_dynamics.proof.perturbed_steps import PerturbedSteps
@@ -44,11 +45,13 @@ class Asked(NamedTuple):
         bounds: C01 to C09.
         sole: ends of the stance sole on the h axis, (outer < 0, inner > 0) [m].
         perturbed: the steps about the orbit, whose basin is asked for.
+        choices: the table of a gait that has one, likewise.
     """
 
     bounds: Sequence[Bound]
     sole: tuple[float, float]
     perturbed: Callable[[BallOrbit], PerturbedSteps]
+    choices: Sequence[Choice]
 
 
 class Evidence(NamedTuple):
@@ -61,6 +64,7 @@ class Evidence(NamedTuple):
         tiles: likewise; None: none.
         cuts: of the panels of the orbit; None: none.
         basin: tiles; None: none.
+        choices: likewise.
     """
 
     pieces: tuple[Piece, ...]
@@ -69,6 +73,7 @@ class Evidence(NamedTuple):
     tiles: Tiles | None
     cuts: Cuts | None
     basin: BasinTiles | None
+    choices: ChoiceTiles | None
 
 
 @dataclass(frozen=True)
@@ -83,6 +88,7 @@ class GaitProof:
         attraction: of successive approximation, from far.
         limits: C01 to C09 on the whole orbit.
         basin: speeds after the impact that return to it.
+        choices: those that do, answered by the gait's table.
     """
 
     fixed: FixedZeros
@@ -92,6 +98,7 @@ class GaitProof:
     attraction: Attraction
     limits: ProvedLimits
     basin: ProvedBasin
+    choices: ProvedChoices
 
     @property
     def rows(self) -> list[tuple[str, str]]:
@@ -116,6 +123,7 @@ class GaitProof:
             self.attraction.row,
             *self.limits.rows,
             *self.basin.rows,
+            *self.choices.rows,
         ]
 
 
@@ -136,31 +144,36 @@ def prove_parameters(
     """
     gait = BallGait.of(chain, free)
     zero = nearest_zero(gait)
-    bounds, sole, _ = asked
+    bounds, sole = asked.bounds, asked.sole
     if evidence is None:
         fixed, near = fixed_zeros(gait, regions.fixed), convergence(gait, zero)
         imposed = imposed_zeros(gait, regions.imposed)
         far = attraction(gait, zero, near, imposed)
         limits = prove_limits(gait, zero, bounds, sole)
-        basin = _basin(gait, zero, asked, limits.cuts)
-        return GaitProof(fixed, zero, near, imposed, far, limits, basin)
+        basin, choices = _basins(gait, zero, asked, limits.cuts)
+        return GaitProof(fixed, zero, near, imposed, far, limits, basin, choices)
     radii = (evidence.radius,) if evidence.radius > 0.0 else ()
     fixed, near = fixed_zeros(gait, regions.fixed, evidence.pieces), convergence(gait, zero, radii)
     imposed = imposed_zeros(gait, regions.imposed, evidence.partition)
     far, limits, basin = Attraction(None, Proof.UNDECIDED), without_panels(bounds), no_basin("")
+    choices = no_choices("")
     if evidence.tiles is not None:
         far = attraction(gait, zero, near, imposed, evidence.tiles)
     if evidence.cuts is not None:
         limits = prove_limits(gait, zero, bounds, sole, evidence.cuts)
     if evidence.basin is not None:
-        basin = _basin(gait, zero, asked, evidence.cuts, evidence.basin)
-    return GaitProof(fixed, zero, near, imposed, far, limits, basin)
+        basin, choices = _basins(gait, zero, asked, evidence.cuts, evidence)
+    return GaitProof(fixed, zero, near, imposed, far, limits, basin, choices)
 
 
-def _basin(
-    gait: BallGait, zero: NearestZero, asked: Asked, cuts: Cuts | None, rests_on: BasinTiles | None = None
-) -> ProvedBasin:
+def _basins(
+    gait: BallGait, zero: NearestZero, asked: Asked, cuts: Cuts | None, evidence: Evidence | None = None
+) -> tuple[ProvedBasin, ProvedChoices]:
     if cuts is None:
-        return no_basin("the orbit is not enclosed")
-    orbit = BallOrbit.of(gait, zero.reversal, asked.sole, cuts)
-    return prove_basin(asked.perturbed(orbit), rests_on)
+        why = "the orbit is not enclosed"
+        return no_basin(why), no_choices(why)
+    steps = asked.perturbed(BallOrbit.of(gait, zero.reversal, asked.sole, cuts))
+    basin = prove_basin(steps, None if evidence is None else evidence.basin)
+    if evidence is not None and evidence.choices is None:
+        return basin, no_choices("")
+    return basin, prove_choices(steps, basin, asked.choices, None if evidence is None else evidence.choices)

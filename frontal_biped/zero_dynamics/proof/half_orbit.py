@@ -22,14 +22,12 @@ from frontal_biped.model.chain import JOINTS
 from frontal_biped.zero_dynamics.proof.balls import (
     ORDER,
     Ball,
-    Number,
     arb,
     coefficient,
-    narrowed,
     series,
 )
 from frontal_biped.zero_dynamics.proof.chain import BallChain
-from frontal_biped.zero_dynamics.proof.half_path import OnZ, Path, Projected, require_positive
+from frontal_biped.zero_dynamics.proof.half_path import OnZ, Path, Projected, narrowed_series, require_positive
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.ranges import controls
 
@@ -320,10 +318,7 @@ def _panel(path: Path, low: Ball, high: Ball, at: Passed) -> tuple[Panel, Passed
     """
     h, Delta = (high - low) / 2, path.span
     y = _variable(low, high)
-    places = path.at(y[0]), path.at(y[1])
-    places = places[0], Projected(*_narrowed_each(*places, h))
-    middle, wide = (OnZ.of(place) for place in places)
-    wide = OnZ(*_narrowed_each(middle, wide, h))
+    places, (middle, wide) = path.on_panel(y, h)
     slope = middle.rate * -Delta, wide.rate * -Delta
     L_centre, L_end = _integrals(slope, at.L, h)
     L = slope[0].integral() + L_centre, slope[1].integral() + (at.L + coefficient(slope[1], 0) * arb(0).union(2 * h))
@@ -357,15 +352,3 @@ def _pairwise(function: Callable[..., Ball], *parts: Sequence[Any]) -> Pair:
     """A function of functions, about the centre and about all points alike."""
     middle, wide = (function(*arguments) for arguments in zip(*parts, strict=True))
     return middle, wide
-
-
-def narrowed_series(middle: Ball, wide: Ball, h: Ball) -> Ball:
-    """`narrowed`, of series."""
-    a, b = ([coefficient(x, k) for k in range(ORDER + 1)] for x in (middle, wide))
-    return series(narrowed(a, b, h))
-
-
-def _narrowed_each(middle: Number, wide: Number, h: Ball) -> Number:
-    if isinstance(middle, list | tuple):
-        return [_narrowed_each(a, b, h) for a, b in zip(middle, wide, strict=True)]
-    return wide if isinstance(wide, arb) else narrowed_series(middle, wide, h)

@@ -19,7 +19,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from frontal_biped.zero_dynamics.proof.ball_gait import BallStep
-from frontal_biped.zero_dynamics.proof.balls import ORDER, Ball, Number, arb, coefficient, series
+from frontal_biped.zero_dynamics.proof.balls import ORDER, Ball, Number, arb, coefficient, series, value_of
 from frontal_biped.zero_dynamics.proof.chain import sums
 from frontal_biped.zero_dynamics.proof.half_path import HalfPath, Path, Shape, combined
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError, bernstein
@@ -122,8 +122,8 @@ class Mismatch:
         mu = [difference(a, b, 1) for a, b in zip(up.slopes[1:], down.slopes[1:], strict=True)]
         return nu, mu, difference(up.p_fri, down.p_fri, 1)
 
-    def at(self, d: Ball) -> tuple[list[Ball], list[Ball], Ball]:
-        """nu (3,), mu (3,) and pi for all d of a ball [rad]."""
+    def at(self, d: Number) -> tuple[list[Number], list[Number], Number]:
+        """nu (3,), mu (3,) and pi for all d of a ball, or a `Jet` of it [rad]."""
         nu, mu, pi = self._polynomials
         return [polynomial_at(p, d) for p in nu], [polynomial_at(p, d) for p in mu], polynomial_at(pi, d)
 
@@ -141,20 +141,20 @@ class EarlyPath(Path):
     """
 
     falling: HalfPath
-    d: Ball
+    d: Number
     c: float
-    columns: list[list[Ball]]
-    pi: Ball
+    columns: list[list[Number]]
+    pi: Number
 
     @classmethod
-    def of(cls, mismatch: Mismatch, d: Ball, c: float) -> "EarlyPath":
+    def of(cls, mismatch: Mismatch, d: Number, c: float) -> "EarlyPath":
         """Of all reversals so early.
 
         Raises:
             NotEnclosedError: the way to the impact may be shorter, or the degree is too high.
         """
         falling = mismatch.falling
-        if not falling.span > (1 + arb(c)) * d:
+        if not falling.span > (1 + arb(c)) * value_of(d):
             raise NotEnclosedError("way left")
         nu, mu, pi = mismatch.at(d)
         nothing, steep = arb(0), arb(c) / 5
@@ -189,7 +189,7 @@ def _added(x: Sequence[Number], y: Sequence[Number]) -> list[Number]:
     return [a + b for a, b in zip(x, y, strict=True)]
 
 
-def derived(columns: Sequence[Ball], times: int) -> list[Ball]:
+def derived(columns: Sequence[Number], times: int) -> list[Number]:
     """Bezier columns of a derivative by x."""
     found = list(columns)
     for _ in range(times):
@@ -198,9 +198,9 @@ def derived(columns: Sequence[Ball], times: int) -> list[Ball]:
     return found
 
 
-def polynomial_at(polynomial: Sequence[Ball], x: Ball) -> Ball:
+def polynomial_at(polynomial: Sequence[Ball], x: Number) -> Number:
     """The value of a polynomial, by coefficients from the constant on."""
-    total = arb(0)
+    total: Number = arb(0)
     for a in reversed(polynomial):
         total = total * x + a
     return total

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from frontal_biped.zero_dynamics.proof.ball_gait import BallStep, half_step
-from frontal_biped.zero_dynamics.proof.balls import ORDER, Ball, Number, arb, coefficient, series
+from frontal_biped.zero_dynamics.proof.balls import ORDER, Ball, Number, arb, coefficient, series, value_of
 from frontal_biped.zero_dynamics.proof.chain import sums
 from frontal_biped.zero_dynamics.proof.half_path import HalfPath, Path, Shape, combined
 from frontal_biped.zero_dynamics.proof.half_step import HalfStep, NotEnclosedError, bernstein
@@ -102,12 +102,12 @@ class RescaledPath(Path):
 
     falling: HalfPath
     end: Ball
-    moved: list[Ball]
-    columns: list[list[Ball]]
-    fri_moved: Ball
+    moved: list[Number]
+    columns: list[list[Number]]
+    fri_moved: Number
 
     @classmethod
-    def early(cls, rising: HalfPath, falling: HalfPath, end: Ball, way: Ball, d: Ball) -> "RescaledPath":
+    def early(cls, rising: HalfPath, falling: HalfPath, end: Ball, way: Ball, d: Number) -> "RescaledPath":
         """Of all reversals so far before the end of a rising half.
 
         Args:
@@ -115,14 +115,14 @@ class RescaledPath(Path):
             falling: the planned falling half.
             end: beta at the impact [rad].
             way: beta at the end of the rising half, minus that [rad].
-            d: how far [rad].
+            d: how far [rad], a ball or a `Jet`.
 
         Raises:
             NotEnclosedError: the degree is too high for a series.
         """
         if max(len(angle.columns) for angle in (*rising.half.angles, rising.half.fri)) > ORDER:
             raise NotEnclosedError("degree")
-        middle = d.mid()
+        middle = value_of(d).mid()
         x = series([arb(0), arb(1)])
         shape = rising.shape((x + middle) / rising.span)
         parts = cls._parts(falling, shape, way - middle - x)
@@ -156,13 +156,13 @@ class RescaledPath(Path):
         cls,
         falling: HalfPath,
         end: Ball,
-        way: Ball,
-        moved: list[Ball],
-        first: list[Ball],
-        last: list[Ball],
-        fri: list[Ball],
+        way: Number,
+        moved: list[Number],
+        first: list[Number],
+        last: list[Number],
+        fri: list[Number],
     ) -> "RescaledPath":
-        if not way > 0:
+        if not value_of(way) > 0:
             raise NotEnclosedError("way left")
         between = [arb(0)] * (len(falling.half.angles[0].columns) - 4)
         columns = [[arb(0), e_1, *between, e_2, arb(0)] for e_1, e_2 in zip(first, last, strict=True)]
