@@ -52,16 +52,13 @@ SLACK = 2e-9
 PAST = 1e-6
 """Reversal by which it is, likewise [rad]."""
 
-FIRST_TILE, WIDENING, LEAST_TILE = 1 / 128, 1.5, 1 / 65536
-"""Width of the first tile of an interval, as a share of the range of the planned rising phase; factor to the next, at
-most; width below which a tile is not halved again.
+FIRST_TILE, WIDENING, LEAST_TILE = 1 / 128, 1.5, 1 / 4096
+"""Width of the first tile of an interval, as a share of the range of the planned rising phase; factor to the next one,
+until one must be halved; width below which a tile is not halved again.
 """
 
 TILES, HALVINGS = 100, 3
 """Tiles of an interval, at most; bisections of the latest reversal."""
-
-PANELS = 32
-"""Into which a rescaled falling path is cut, a power of two."""
 
 
 class Choice(NamedTuple):
@@ -350,7 +347,7 @@ class _Interval:
         return _Reached((-last, -first), self._factor(slowest, x_next), self.choice.high, "")
 
     def _rescaled(self, path: Path) -> tuple[Ball, Controls]:
-        piece = PathPiece.to_impact(path, PANELS)
+        piece = PathPiece.to_impact(path)
         return piece.L.exp() * piece.M * path.span / self.steps.orbit.falling.z - 1, piece.rows
 
     # ------------------------------------------------------------------ early
@@ -367,7 +364,7 @@ class _Interval:
         self._require_kept({"rising": [on_planned(up, arb(0))]})
         ends, factor, why = [nearest], arb(0), ""
         range_ = float(self.steps.orbit.rising.path.span.mid())
-        width, widths = FIRST_TILE * range_, iter(()) if given is None else iter(given[1:])
+        width, widening, widths = FIRST_TILE * range_, WIDENING, iter(given[1:] if given else ())
         while ends[-1] < farthest and len(ends) <= TILES and width >= LEAST_TILE * range_:
             end = min(ends[-1] + width, farthest) if given is None else next(widths)
             try:
@@ -375,10 +372,10 @@ class _Interval:
             except NotEnclosedError as error:
                 if given is not None:
                     raise
-                why, width = str(error), 0.5 * width
+                why, width, widening = str(error), 0.5 * width, 1.0
                 continue
             ends.append(end)
-            width *= WIDENING
+            width *= widening
             x = self._x_at(up, end - nearest)
         reached = choice.low if x <= self._slowest else _speed(x.upper(), 1 + arb(SLACK), 2.0)
         tiles = tuple(ends) if len(ends) > 1 else ()

@@ -24,6 +24,9 @@ ROUGH = 1e-4
 SHORT = 1
 """Halvings of a panel of a rejoining path, at most: what is open there is mostly which of many reversals it is."""
 
+PANELS = 32
+"""Into which a whole falling path is cut, a power of two."""
+
 ACCURACY = 1e-6
 """To which least values are sought, in the units of the quantities."""
 
@@ -118,17 +121,16 @@ class PathPiece:
         return cls(rows, at.L, at.W)
 
     @classmethod
-    def to_impact(cls, path: Path, panels: int) -> "PathPiece":
+    def to_impact(cls, path: Path) -> "PathPiece":
         """A whole falling path, walked from rest at its reversal.
 
         Args:
             path: the path.
-            panels: into which it is cut.
 
         Raises:
             NotEnclosedError: as `of`.
         """
-        cuts = [k / panels for k in range(panels + 1)]
+        cuts = [k / PANELS for k in range(PANELS + 1)]
         walked = list(walk(path, lambda panel: _contact_rows(panel, 0, False), cuts))
         rows: Controls = {}
         for panel, _, own in walked:
