@@ -29,8 +29,12 @@ A certificate is a JSON file:
                 the ball ``margin``, and verdicts ``proved``, within the tolerance, and ``exactly``, without
 ``basin``       speeds after the impact that return under the stabiliser named, without looking ahead: ``low`` and
                 ``high`` relative to the orbit's, ball ``factor`` of the energy error in a step, verdict ``proved``,
-                ``looking_ahead``: low and high of "adaptive"; and what it rests on, ``beyond`` and ``tiles`` [rad];
-                ``limited_by``: what stood in the way of lower and of higher speeds
+                ``looking_ahead``: low and high of "adaptive"; and what it rests on, ``beyond``, ``alike`` and ``tiles``
+                [rad]; ``limited_by``: what stood in the way of lower and of higher speeds
+``choices``     speeds after the impact that return under the answers of the gait's table, ``look_ahead``: ``low`` and
+                ``high``, ball ``factor``, verdict ``proved``, "undecided" where there is no table; and what it rests
+                on, ``tiles``: of intervals of the table, by their place, reversals before the end of the stretched
+                rising phase [rad]; ``limited_by`` as of ``basin``
 ``ankle_basin`` those that return under "ankle": ``low`` and ``high``, ``at_once``: the high of those that one step
                 brings to the orbit, ``steps`` after which all of them are there, verdict ``proved``; and what it rests
                 on, ``outwards`` and ``inwards`` as shares of the room in the sole, ``stretched`` [rad]; ``limited_by``
@@ -38,8 +42,8 @@ A certificate is a JSON file:
 ==============  ====================================================================================================
 
 A ball is {"mid": "m*2^e", "rad": "m*2^e"}, exactly; one that is not known is null. From before they were proved there
-are files without ``imposed``, ``attraction``, ``limits``, ``basin`` and ``ankle_basin``, which make no such
-statements.
+are files without ``imposed``, ``attraction``, ``limits``, ``basin``, ``choices`` and ``ankle_basin``, which make no
+such statements.
 """
 
 import hashlib
@@ -52,7 +56,7 @@ from pathlib import Path
 from typing import Any
 
 from frontal_biped.analysis.proof_content import REMEDY, evidence_from_dict, proof_to_dict, require_same
-from frontal_biped.analysis.proof_inputs import ANKLE_RULE, asked_bounds, perturbed_steps
+from frontal_biped.analysis.proof_inputs import ANKLE_RULE, asked_bounds, choices, perturbed_steps
 from frontal_biped.exceptions import ProofError
 from frontal_biped.files.atomic import write_json
 from frontal_biped.files.kinds import PROOF
@@ -152,7 +156,8 @@ def _proved(biped: FrontalBiped, gait: Gait, regions: Regions, evidence: Evidenc
     free = free_parameters(gait.rising, gait.falling, gait.step_width)
     try:
         with working():
-            asked = Asked(asked_bounds(biped, gait), biped.sole, partial(perturbed_steps, biped, gait), ANKLE_RULE)
+            steps = partial(perturbed_steps, biped, gait)
+            asked = Asked(asked_bounds(biped, gait), biped.sole, steps, choices(biped, gait), ANKLE_RULE)
             return ProofCertificate(gait, prove_parameters(decimal_chain(biped), free, regions, asked, evidence))
     except NotEnclosedError as error:
         raise ProofError(f"{gait.robot.name}: {error}: the balls are too wide to tell whether it exists") from None

@@ -9,6 +9,7 @@ from frontal_biped.zero_dynamics.proof.ankle_basin import AnkleTiles, ProvedAnkl
 from frontal_biped.zero_dynamics.proof.attraction import Tiles
 from frontal_biped.zero_dynamics.proof.balls import Ball, as_text, from_text
 from frontal_biped.zero_dynamics.proof.basin import BasinTiles, ProvedBasin
+from frontal_biped.zero_dynamics.proof.choices import ChoiceTiles, ProvedChoices
 from frontal_biped.zero_dynamics.proof.gait_proof import Evidence, GaitProof, Regions
 from frontal_biped.zero_dynamics.proof.imposed_zeros import Partition
 from frontal_biped.zero_dynamics.proof.limits import Cuts, ProvedLimits
@@ -26,11 +27,12 @@ VERDICTS = {
     "attraction": "proved",
     "limits": "proved",
     "basin": "proved",
+    "choices": "proved",
     "ankle_basin": "proved",
 }
 """Parts of a file that make statements, and one of the verdicts of each."""
 
-OPTIONAL = ("imposed", "attraction", "limits", "basin", "ankle_basin")
+OPTIONAL = ("imposed", "attraction", "limits", "basin", "choices", "ankle_basin")
 """Those that a file from before they were proved does not have."""
 
 NO_IMPOSED: dict[str, Any] = {"regions": [], "discs": [], "pieces": [], "zeros": []}
@@ -73,6 +75,7 @@ def proof_to_dict(proof: GaitProof) -> dict[str, Any]:
         "attraction": {"proved": far.proved.value} | _tiles_listed(far.tiles),
         "limits": _limits_listed(proof.limits),
         "basin": _basin_listed(proof.basin),
+        "choices": _choices_listed(proof.choices),
         "ankle_basin": _ankle_basin_listed(proof.ankle_basin),
     }
 
@@ -112,11 +115,14 @@ def evidence_from_dict(path: Path, stored: dict[str, Any]) -> tuple[Regions, Evi
     basin = stored.get("basin", NO_BASIN)
     if basin["tiles"] is not None:
         limited_by = str(basin["limited_by"][0]), str(basin["limited_by"][1])
-        basin = BasinTiles(float(basin["beyond"]), tuple(float(end) for end in basin["tiles"]), limited_by)
+        tiles_of = tuple(float(end) for end in basin["tiles"])
+        basin = BasinTiles(float(basin["beyond"]), tiles_of, limited_by, float(basin["alike"]))
     else:
         basin = None
+    choices = _choices_read(stored["choices"]) if "choices" in stored else None
     ankle = _ankle_tiles_read(stored.get("ankle_basin", NO_ANKLE_BASIN))
-    return regions, Evidence(pieces, partition, float(stored["convergence"]["radius"]), tiles, cuts, basin, ankle)
+    radius = float(stored["convergence"]["radius"])
+    return regions, Evidence(pieces, partition, radius, tiles, cuts, basin, choices, ankle)
 
 
 def require_same(path: Path, stored: dict[str, Any], again: dict[str, Any]) -> None:
@@ -203,9 +209,27 @@ def _basin_listed(basin: ProvedBasin) -> dict[str, Any]:
         "looking_ahead": list(basin.looking_ahead),
         "factor": _ball(basin.factor),
         "beyond": basin.beyond,
+        "alike": basin.alike,
         "tiles": list(basin.tiles),
         "limited_by": [basin.low_limited_by, basin.high_limited_by],
     }
+
+
+def _choices_listed(choices: ProvedChoices) -> dict[str, Any]:
+    return {
+        "proved": choices.proved.value,
+        "low": choices.low,
+        "high": choices.high,
+        "factor": _ball(choices.factor),
+        "tiles": {str(place): list(ends) for place, ends in choices.tiles.items()},
+        "limited_by": [choices.low_limited_by, choices.high_limited_by],
+    }
+
+
+def _choices_read(stored: dict[str, Any]) -> ChoiceTiles:
+    tiles = {int(place): tuple(float(end) for end in ends) for place, ends in stored["tiles"].items()}
+    low, high = (str(why) for why in stored["limited_by"])
+    return ChoiceTiles(tiles, (low, high))
 
 
 def _ankle_basin_listed(basin: ProvedAnkleBasin) -> dict[str, Any]:

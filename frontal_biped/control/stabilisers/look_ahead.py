@@ -236,6 +236,10 @@ class LookAheadTransitions:
             return self._planned_longer[stretch]
         return self._lengthened(phase, stretch)
 
+    def planned(self, stretch: float) -> ContinuedPhase:
+        """The rising phase after a landing as planned, stretched relative to its range [-]."""
+        return self._longer(self.plain.planned_rising, stretch)
+
     @cached_property
     def _planned_longer(self) -> dict[float, ContinuedPhase]:
         """The phase of a landing as planned by its stretch: some dozen, met at every such landing."""
@@ -346,7 +350,7 @@ class LookAheadTransitions:
         return ContactMargins(self.biped, self.gait)
 
     @cached_property
-    def _required(self) -> dict[str, float]:
+    def required(self) -> dict[str, float]:
         """By limit, the margin to keep: the reserve, or half of what the gait itself keeps."""
         gait = self.gait
         energy: PhaseEnergy = rising_energy(self.biped, self.plain.planned_rising)
@@ -358,5 +362,5 @@ class LookAheadTransitions:
 
     def _room(self, margins: list[Margin]) -> float:
         """Least margin beyond what is to be kept [-]."""
-        room = min(margin.value - self._required[margin.name] for margin in margins)
+        room = min(margin.value - self.required[margin.name] for margin in margins)
         return room if np.isfinite(room) else -np.inf

@@ -27,7 +27,7 @@ from frontal_biped.zero_dynamics.proof.half_orbit import (
     panel_of,
     walk,
 )
-from frontal_biped.zero_dynamics.proof.half_path import HalfPath, Path, Projected, Shape, require_positive
+from frontal_biped.zero_dynamics.proof.half_path import HalfPath, Path, Projected, Shape, require_positive, zero_dynamics_at
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.limits import Cuts, ProvedLimit
 from frontal_biped.zero_dynamics.proof.perturbed_steps import (
@@ -113,7 +113,8 @@ class Way:
         found, at = [], NOTHING
         for panel in panels:
             middle, wide = (_shifted(place if motors else _alone(place), shift) for place in panel.path)
-            moved, at = panel_of(panel, panel.low, panel.high, (middle, wide), at)
+            on_Z = zero_dynamics_at((middle, wide), panel.h)
+            moved, at = panel_of(panel, panel.low, panel.high, (middle, wide), on_Z, at)
             if not all(is_positive(-coefficient(place.drive, 0)) for place in moved.on_Z):
                 raise NotEnclosedError("drive")
             found.append(moved)
@@ -260,7 +261,7 @@ class AnkleSteps:
         """
         way = self.rising(end * arb(least).union(arb(most)))
         rows = {"rising": [way.rows() | self._planned_heights], "falling": [self.steps.orbit.falling.rows]}
-        return Stepped(self.start(way), PLANNED, self.steps.limits_on(rows))
+        return Stepped(self.start(way), PLANNED, self.steps.limits(rows, self.steps.bounds))
 
     def start(self, rising: Way) -> Ball:
         """Square of the speed after the impact, relative to the orbit's [-], with which such a phase begins."""
@@ -290,7 +291,7 @@ class AnkleSteps:
         fallen = self._fallen(next_, looks, path)
         way = Way.of(base, self._at_impact, fallen.shift)
         rows = {"rising": [up.rows() | _lifted(up.panels, rising)], "falling": [way.rows() | _lifted(base, path)]}
-        return Stepped(self.start(up), fallen, self.steps.limits_on(rows))
+        return Stepped(self.start(up), fallen, self.steps.limits(rows, self.steps.bounds))
 
     def stretched_start(self, least: float, most: float) -> Ball:
         """`Stepped.starts` of steps that are stretched by something between two numbers [rad], and no more of them.

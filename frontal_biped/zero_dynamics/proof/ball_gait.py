@@ -104,11 +104,24 @@ class BallGait:
             falling.append([q_minus[1 + i], *reversed(inner), turned, last])
         fri = [arb(float(x)) for x in free.rising_fri]
         fri_f = [fri[-1], *(arb(float(x)) for x in free.falling_fri)]
-        return BallStep(
-            HalfStep(self.chain, up, absolute_angles(self.begin, up, rising), Curve.of(fri, up)),
-            HalfStep(self.chain, down, absolute_angles(self.end, down, falling), Curve.of(fri_f[::-1], down)),
-            plus[0],
+        halves = (
+            half_step(self.chain, self.begin, up, rising, fri),
+            half_step(self.chain, self.end, down, falling, fri_f[::-1]),
         )
+        return BallStep(*halves, plus[0])
+
+
+def half_step(chain: BallChain, start: Ball, span: Number, joints: list[list[Number]], fri: list[Number]) -> HalfStep:
+    """The half step of Bezier columns.
+
+    Args:
+        chain: the robot.
+        start: beta at the impact [rad].
+        span: beta at the reversal minus that [rad].
+        joints: columns of the three joints after the first, from the impact on [rad].
+        fri: those of the FRI target [m].
+    """
+    return HalfStep(chain, span, absolute_angles(start, span, joints), Curve.of(fri, span))
 
 
 def absolute_angles(start: Ball, span: Number, joints: list[list[Number]]) -> tuple[Curve, ...]:

@@ -27,8 +27,8 @@ m q < 1 on tiles that cover the early side, and m < 1 on the late one, so the ne
 limits, affine in dbeta^2 or a ratio of such, hold at each beta at rest and at the greatest speed of the interval, so
 at all between. What the swing foot must do at the impact does not depend on the speed, but for its size.
 
-**Looking ahead.** Within the error that `PerturbedSteps.alike` gives, the stabiliser that looks ahead answers as this
-one does, without looking; and errors shrink. So what is proved between those speeds is proved of it, too.
+**Looking ahead.** Within the speeds of `ProvedBasin.looking_ahead` the stabiliser that looks ahead answers as this one
+does (`looking_ahead`), so what is proved is proved of it, too.
 
 The transitions are those of exact arithmetic: within 1e-9 rad of the planned reversal the program takes the planned
 falling phase as it is. Which c it chooses is proved, not assumed: on every tile its first one keeps enough inertia.
@@ -42,7 +42,8 @@ from typing import NamedTuple
 from frontal_biped.zero_dynamics.proof.balls import Ball, arb
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.limits import ProvedLimit
-from frontal_biped.zero_dynamics.proof.perturbed_steps import PerturbedSteps, at_share
+from frontal_biped.zero_dynamics.proof.looking_ahead import keeps_reserve, latest_alike
+from frontal_biped.zero_dynamics.proof.perturbed_steps import PerturbedSteps
 from frontal_biped.zero_dynamics.proof.theorems import Proof, told
 
 
@@ -59,7 +60,9 @@ class ProvedBasin:
         limits: with what room they are kept; no bound is left out.
         low_limited_by: what kept lower speeds from being proved.
         high_limited_by: what kept higher ones.
-        alike: relative error of the speed up to which transitions that look ahead are no others [-].
+        looking_ahead: speeds that return when looking ahead, too, relative to the orbit's [-].
+        alike: the latest reversal at which that changes nothing, as far as it was asked, past the planned one [rad].
+        rejoins: every c over which falling phases rejoin their path after an early reversal.
     """
 
     low: float
@@ -70,7 +73,9 @@ class ProvedBasin:
     limits: tuple[ProvedLimit, ...]
     low_limited_by: str = ""
     high_limited_by: str = ""
+    looking_ahead: tuple[float, float] = (1.0, 1.0)
     alike: float = 0.0
+    rejoins: frozenset[float] = frozenset()
 
     @property
     def proved(self) -> Proof:
@@ -82,13 +87,6 @@ class ProvedBasin:
     def width(self) -> float:
         """Of the interval [-]."""
         return self.high - self.low if self.proved is Proof.PROVED else 0.0
-
-    @property
-    def looking_ahead(self) -> tuple[float, float]:
-        """Speeds that return when looking ahead, too: errors shrink, so they stay where the answers are alike."""
-        if self.proved is not Proof.PROVED:
-            return 1.0, 1.0
-        return max(self.low, nextafter(1.0 - self.alike, 2.0)), min(self.high, nextafter(1.0 + self.alike, 0.0))
 
     @property
     def rows(self) -> list[tuple[str, str]]:
@@ -116,11 +114,13 @@ class BasinTiles(NamedTuple):
         beyond: the latest reversal, past the planned one [rad].
         tiles: ends of the intervals of early reversals, from 0 on, before the planned one [rad].
         limited_by: what kept lower and higher speeds from being proved when they were sought.
+        alike: the latest reversal at which looking ahead changes nothing, likewise; 0: none.
     """
 
     beyond: float
     tiles: tuple[float, ...]
     limited_by: tuple[str, str] = (LOOKED, LOOKED)
+    alike: float = 0.0
 
 
 def no_basin(why: str) -> ProvedBasin:
@@ -156,13 +156,30 @@ def prove_basin(steps: PerturbedSteps, rests_on: BasinTiles | None = None) -> Pr
                 early = early.down_to(steps, end)
     except NotEnclosedError as error:
         return no_basin(str(error))
-    orbit, earliest = steps.orbit.rising, early.ends[-1]
-    _, M = at_share(orbit, arb(earliest) / orbit.path.span)
-    # rounded inwards
-    low = nextafter(float((1 - M * arb(earliest) / orbit.energy).sqrt().upper()), 1.0)
-    high = nextafter(float((1 + late.energy / orbit.energy).sqrt().lower()), 1.0)
+    alike = latest_alike(steps, late.beyond) if rests_on is None else rests_on.alike
+    low, high = _rounded_up(steps.early_speed(early.ends[-1])), _late_speed(steps, late.energy)
     why = (early.why, late.why) if rests_on is None else rests_on.limited_by
-    return ProvedBasin(low, high, early.factor, late.beyond, early.ends, early.limits, *why, steps.alike)
+    ahead = _looking_ahead(steps, alike, (low, high))
+    return ProvedBasin(
+        low, high, early.factor, late.beyond, early.ends, early.limits, *why, ahead, alike, early.rejoins
+    )
+
+
+def _looking_ahead(steps: PerturbedSteps, alike: float, basin: tuple[float, float]) -> tuple[float, float]:
+    """Of the speeds that return those at which looking ahead changes nothing."""
+    near, high = steps.reserve.near, 1.0
+    if alike > 0.0 and keeps_reserve(steps, alike):
+        high = _late_speed(steps, steps.late(alike)[0])
+    return max(basin[0], nextafter(1.0 - near, 2.0)), min(basin[1], max(high, nextafter(1.0 + near, 0.0)))
+
+
+def _rounded_up(speed: Ball) -> float:
+    return nextafter(float(speed.upper()), 2.0)
+
+
+def _late_speed(steps: PerturbedSteps, energy: Ball) -> float:
+    """The greatest that has no more than an energy at the planned reversal, rounded down."""
+    return nextafter(float((1 + energy / steps.orbit.rising.energy).sqrt().lower()), 0.0)
 
 
 class _Late(NamedTuple):
@@ -187,7 +204,8 @@ class _Late(NamedTuple):
         Raises:
             NotEnclosedError: it does not exist, or a limit is not kept, as far as balls can tell.
         """
-        energy, limits = steps.late(beyond)
+        energy, paths = steps.late(beyond)
+        limits = steps.limits(paths, steps.bounds)
         _require_kept(limits)
         return cls(beyond, energy, tuple(limits), LOOKED)
 
@@ -214,12 +232,14 @@ class _Early(NamedTuple):
         factor: of the energy error in a step, at most [-].
         limits: kept from here to the latest reversal.
         why: what stands in the way of earlier ones.
+        rejoins: every c over which the falling phases rejoin their path.
     """
 
     ends: tuple[float, ...]
     factor: Ball
     limits: tuple[ProvedLimit, ...]
     why: str
+    rejoins: frozenset[float] = frozenset()
 
     def down_to(self, steps: PerturbedSteps, end: float) -> "_Early":
         """With one tile more.
@@ -227,11 +247,13 @@ class _Early(NamedTuple):
         Raises:
             NotEnclosedError: it does not return, or a limit is not kept, as far as balls can tell.
         """
-        shrinks, own = steps.early(self.ends[-1], end)
+        q, paths, c = steps.early(self.ends[-1], end)
+        shrinks = steps.orbit.multiplier * q
         _require(bool(shrinks >= 0 and shrinks < 1), "the speed may go away from the orbit's")
+        own = steps.limits_along(paths, steps.bounds)
         _require_kept(own)
         limits = tuple(_tighter(limit, own) for limit in self.limits)
-        return _Early((*self.ends, end), max(self.factor, shrinks.upper()), limits, self.why)
+        return _Early((*self.ends, end), max(self.factor, shrinks.upper()), limits, self.why, self.rejoins | {c})
 
 
 def _earliest(steps: PerturbedSteps, found: _Early, range_: float) -> _Early:

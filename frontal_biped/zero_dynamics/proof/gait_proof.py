@@ -16,6 +16,7 @@ from frontal_biped.zero_dynamics.proof.attraction import Attraction, Tiles, attr
 from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.basin import BasinTiles, ProvedBasin, no_basin, prove_basin
 from frontal_biped.zero_dynamics.proof.chain import BallChain
+from frontal_biped.zero_dynamics.proof.choices import Choice, ChoiceTiles, ProvedChoices, no_choices, prove_choices
 from frontal_biped.zero_dynamics.proof.imposed_zeros import ImposedZeros, Interval, Partition, imposed_zeros
 from frontal_biped.zero_dynamics.proof.limits import BallOrbit, Bound, Cuts, ProvedLimits, prove_limits, without_panels
 from frontal_biped.zero_dynamics.proof.perturbed_steps import PerturbedSteps
@@ -51,12 +52,14 @@ class Asked(NamedTuple):
         bounds: C01 to C09.
         sole: ends of the stance sole on the h axis, (outer < 0, inner > 0) [m].
         perturbed: the steps about the orbit, whose basin is asked for.
+        choices: the table of a gait that has one, likewise.
         ankle: how the ankle law shifts them.
     """
 
     bounds: Sequence[Bound]
     sole: tuple[float, float]
     perturbed: Callable[[BallOrbit], PerturbedSteps]
+    choices: Sequence[Choice]
     ankle: AnkleRule
 
 
@@ -70,6 +73,7 @@ class Evidence(NamedTuple):
         tiles: likewise; None: none.
         cuts: of the panels of the orbit; None: none.
         basin: tiles; None: none.
+        choices: likewise.
         ankle_basin: likewise.
     """
 
@@ -79,6 +83,7 @@ class Evidence(NamedTuple):
     tiles: Tiles | None
     cuts: Cuts | None
     basin: BasinTiles | None
+    choices: ChoiceTiles | None
     ankle_basin: AnkleTiles | None
 
 
@@ -94,6 +99,7 @@ class GaitProof:
         attraction: of successive approximation, from far.
         limits: C01 to C09 on the whole orbit.
         basin: speeds after the impact that return to it.
+        choices: those that do, answered by the gait's table.
         ankle_basin: those that do under the ankle law.
     """
 
@@ -104,6 +110,7 @@ class GaitProof:
     attraction: Attraction
     limits: ProvedLimits
     basin: ProvedBasin
+    choices: ProvedChoices
     ankle_basin: ProvedAnkleBasin
 
     @property
@@ -129,6 +136,7 @@ class GaitProof:
             self.attraction.row,
             *self.limits.rows,
             *self.basin.rows,
+            *self.choices.rows,
             *self.ankle_basin.rows,
         ]
 
@@ -156,38 +164,34 @@ def prove_parameters(
         imposed = imposed_zeros(gait, regions.imposed)
         far = attraction(gait, zero, near, imposed)
         limits = prove_limits(gait, zero, bounds, sole)
-        basin = _basin(gait, zero, asked, limits.cuts)
-        ankle_basin = _ankle_basin(gait, zero, asked, limits.cuts)
-        return GaitProof(fixed, zero, near, imposed, far, limits, basin, ankle_basin)
+        basin, choices, ankle_basin = _basins(gait, zero, asked, limits.cuts)
+        return GaitProof(fixed, zero, near, imposed, far, limits, basin, choices, ankle_basin)
     radii = (evidence.radius,) if evidence.radius > 0.0 else ()
     fixed, near = fixed_zeros(gait, regions.fixed, evidence.pieces), convergence(gait, zero, radii)
     imposed = imposed_zeros(gait, regions.imposed, evidence.partition)
-    far, limits, basin = Attraction(None, Proof.UNDECIDED), without_panels(bounds), no_basin("")
-    ankle_basin = no_ankle_basin("")
+    far, limits = Attraction(None, Proof.UNDECIDED), without_panels(bounds)
     if evidence.tiles is not None:
         far = attraction(gait, zero, near, imposed, evidence.tiles)
     if evidence.cuts is not None:
         limits = prove_limits(gait, zero, bounds, sole, evidence.cuts)
-    if evidence.basin is not None:
-        basin = _basin(gait, zero, asked, evidence.cuts, evidence.basin)
-    if evidence.ankle_basin is not None:
-        ankle_basin = _ankle_basin(gait, zero, asked, evidence.cuts, evidence.ankle_basin)
-    return GaitProof(fixed, zero, near, imposed, far, limits, basin, ankle_basin)
+    basin, choices, ankle_basin = _basins(gait, zero, asked, evidence.cuts, evidence)
+    return GaitProof(fixed, zero, near, imposed, far, limits, basin, choices, ankle_basin)
 
 
-def _basin(
-    gait: BallGait, zero: NearestZero, asked: Asked, cuts: Cuts | None, rests_on: BasinTiles | None = None
-) -> ProvedBasin:
-    if cuts is None:
-        return no_basin("the orbit is not enclosed")
-    orbit = BallOrbit.of(gait, zero.reversal, asked.sole, cuts)
-    return prove_basin(asked.perturbed(orbit), rests_on)
-
-
-def _ankle_basin(
-    gait: BallGait, zero: NearestZero, asked: Asked, cuts: Cuts | None, rests_on: AnkleTiles | None = None
-) -> ProvedAnkleBasin:
-    if cuts is None:
-        return no_ankle_basin("the orbit is not enclosed")
-    orbit = BallOrbit.of(gait, zero.reversal, asked.sole, cuts)
-    return prove_ankle_basin(AnkleSteps(asked.perturbed(orbit), asked.ankle), rests_on)
+def _basins(
+    gait: BallGait, zero: NearestZero, asked: Asked, cuts: Cuts | None, evidence: Evidence | None = None
+) -> tuple[ProvedBasin, ProvedChoices, ProvedAnkleBasin]:
+    """All of them; of evidence, those that it has."""
+    on_basin, on_choices, on_ankle = (None, None, None) if evidence is None else evidence[-3:]
+    sought, why = evidence is None, "" if cuts is not None or evidence is not None else "the orbit is not enclosed"
+    basin, choices, ankle_basin = no_basin(why), no_choices(why), no_ankle_basin(why)
+    if cuts is None or not (sought or on_basin or on_ankle):
+        return basin, choices, ankle_basin
+    steps = asked.perturbed(BallOrbit.of(gait, zero.reversal, asked.sole, cuts))
+    if sought or on_basin:
+        basin = prove_basin(steps, on_basin)
+    if sought or on_choices:
+        choices = prove_choices(steps, basin, asked.choices, on_choices)
+    if sought or on_ankle:
+        ankle_basin = prove_ankle_basin(AnkleSteps(steps, asked.ankle), on_ankle)
+    return basin, choices, ankle_basin

@@ -22,14 +22,12 @@ from frontal_biped.model.chain import JOINTS
 from frontal_biped.zero_dynamics.proof.balls import (
     ORDER,
     Ball,
-    Number,
     arb,
     coefficient,
-    narrowed,
     series,
 )
 from frontal_biped.zero_dynamics.proof.chain import BallChain
-from frontal_biped.zero_dynamics.proof.half_path import HalfPath, OnZ, Path, Projected, require_positive
+from frontal_biped.zero_dynamics.proof.half_path import OnZ, Path, Projected, narrowed_series, require_positive
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.ranges import controls
 
@@ -165,7 +163,7 @@ class HalfOrbit:
         duration: [s].
     """
 
-    path: HalfPath
+    path: Path
     panels: tuple[Panel, ...]
     rows: dict[str, list[list[Ball]]]
     squares: dict[str, list[list[Ball]]]
@@ -190,18 +188,19 @@ class HalfOrbit:
         return [0.0, *(float(panel.high) for panel in self.panels)]
 
     @classmethod
-    def of(cls, path: HalfPath, cuts: Sequence[float] | None = None) -> "HalfOrbit":
+    def of(cls, path: Path, cuts: Sequence[float] | None = None, fine: float = FINE) -> "HalfOrbit":
         """The orbit on a path.
 
         Args:
-            path: the path.
+            path: the path, from a reversal to an impact.
             cuts: ends of panels that are known to do; None: they are sought.
+            fine: as `walk` has it.
 
         Raises:
             NotEnclosedError: I_P may vanish, the ground pull, or the robot not move, as far as balls can tell.
         """
         rows: dict[str, list[list[Ball]]] = {}
-        duration, walked = arb(0), list(walk(path, _orbit_rows, cuts))
+        duration, walked = arb(0), list(walk(path, _orbit_rows, cuts, fine))
         for panel, _, own in walked:
             for name, taylor in own.items():
                 rows.setdefault(name, []).append(controls(taylor, panel.h))
@@ -318,13 +317,17 @@ def _panel(path: Path, low: Ball, high: Ball, at: Passed) -> tuple[Panel, Passed
         NotEnclosedError: I_P may vanish on it.
     """
     y = _variable(low, high)
-    places = path.at(y[0]), path.at(y[1])
-    places = places[0], Projected(*_narrowed_each(*places, (high - low) / 2))
-    return panel_of(path, low, high, places, at)
+    places, on_Z = path.on_panel(y, (high - low) / 2)
+    return panel_of(path, low, high, places, on_Z, at)
 
 
 def panel_of(
-    path: Path | Panel, low: Ball, high: Ball, places: tuple[Projected, Projected], at: Passed
+    path: Path | Panel,
+    low: Ball,
+    high: Ball,
+    places: tuple[Projected, Projected],
+    on_Z: tuple[OnZ, OnZ],
+    at: Passed,
 ) -> tuple[Panel, Passed]:
     """A panel whose places are known, and what has been passed at its end.
 
@@ -333,14 +336,10 @@ def panel_of(
         low: y nearer to the reversal.
         high: y nearer to the impact.
         places: about its centre, and about all points at once.
+        on_Z: the zero dynamics, likewise.
         at: what has been passed where it begins.
-
-    Raises:
-        NotEnclosedError: I_P may vanish on it.
     """
-    h, Delta, y = (high - low) / 2, path.span, _variable(low, high)
-    middle, wide = (OnZ.of(place) for place in places)
-    wide = OnZ(*_narrowed_each(middle, wide, h))
+    h, Delta, y, (middle, wide) = (high - low) / 2, path.span, _variable(low, high), on_Z
     slope = middle.rate * -Delta, wide.rate * -Delta
     L_centre, L_end = _integrals(slope, at.L, h)
     L = slope[0].integral() + L_centre, slope[1].integral() + (at.L + coefficient(slope[1], 0) * arb(0).union(2 * h))
@@ -352,7 +351,7 @@ def panel_of(
     hull = own if at.hull is None else [a.union(b) for a, b in zip(at.hull, own, strict=True)]
     M = (w[0].integral() + W_centre) / y[0], series([a / (k + 1) for k, a in enumerate(hull)])
     M = M[0], narrowed_series(*M, h)
-    return Panel(path.chain, Delta, low, high, places, (middle, wide), L, M), Passed(L_end, W_end, hull)
+    return Panel(path.chain, Delta, low, high, places, on_Z, L, M), Passed(L_end, W_end, hull)
 
 
 def _integrals(f: Pair, begin: Ball, h: Ball) -> tuple[Ball, Ball]:
@@ -374,15 +373,3 @@ def _pairwise(function: Callable[..., Ball], *parts: Sequence[Any]) -> Pair:
     """A function of functions, about the centre and about all points alike."""
     middle, wide = (function(*arguments) for arguments in zip(*parts, strict=True))
     return middle, wide
-
-
-def narrowed_series(middle: Ball, wide: Ball, h: Ball) -> Ball:
-    """`narrowed`, of series."""
-    a, b = ([coefficient(x, k) for k in range(ORDER + 1)] for x in (middle, wide))
-    return series(narrowed(a, b, h))
-
-
-def _narrowed_each(middle: Number, wide: Number, h: Ball) -> Number:
-    if isinstance(middle, list | tuple):
-        return [_narrowed_each(a, b, h) for a, b in zip(middle, wide, strict=True)]
-    return wide if isinstance(wide, arb) else narrowed_series(middle, wide, h)

@@ -10,7 +10,20 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from frontal_biped.zero_dynamics.proof.balls import Ball, Number, arb, coefficient, is_positive
+from frontal_biped.zero_dynamics.proof.balls import (
+    ORDER,
+    Ball,
+    Jet,
+    Number,
+    arb,
+    coefficient,
+    each_pair,
+    is_positive,
+    narrowed,
+    series,
+    sin_cos,
+    value_of,
+)
 from frontal_biped.zero_dynamics.proof.chain import BallChain, Vector
 from frontal_biped.zero_dynamics.proof.half_step import Curve, HalfStep, NotEnclosedError, bernstein
 
@@ -132,7 +145,7 @@ class Path(ABC):
         B = chain.asked_by(pose, chain.accelerations(pose, shape.rates, shape.turns), shape.turns, shape.bends)
         heights, lifts = [], []
         ankle_v, ankle_lift = pose.joints[3][1], _lift_of_ankle(pose.levers, shape.rates)
-        (sin, cos), down = shape.alphas[3].sin_cos(), -chain.ankle[1]
+        (sin, cos), down = sin_cos(shape.alphas[3]), -chain.ankle[1]
         # of the sole's ends, fixed to the foot: inner lies towards the stance foot
         for along in (-self.sole[1], -self.sole[0]):
             heights.append(ankle_v + sin * arb(along) + cos * down)
@@ -140,6 +153,34 @@ class Path(ABC):
         I_P = A[2] - shape.p_fri * A[1]
         tilts = [shape.alphas[1], shape.alphas[3]]
         return Projected(I_P, A, B, G, shape.p_fri, shape.dp_fri, shape.q, shape.slopes, tilts, heights, lifts)
+
+    def on_panel(self, y: tuple[Ball, Ball], h: Ball) -> tuple[tuple[Projected, Projected], tuple[OnZ, OnZ]]:
+        """The path and the zero dynamics about the centre of a panel and about all of its points.
+
+        Args:
+            y: the share of the way, as a series about either.
+            h: half of the panel's width.
+
+        Raises:
+            NotEnclosedError: I_P may vanish.
+        """
+        places = self.at(y[0]), self.at(y[1])
+        places = places[0], Projected(*narrowed_each(*places, h))
+        return places, zero_dynamics_at(places, h)
+
+
+def zero_dynamics_at(places: tuple[Projected, Projected], h: Ball) -> tuple[OnZ, OnZ]:
+    """The zero dynamics about the centre of a panel and about all of its points.
+
+    Args:
+        places: the path there.
+        h: half of the panel's width.
+
+    Raises:
+        NotEnclosedError: I_P may vanish.
+    """
+    middle, wide = (OnZ.of(place) for place in places)
+    return middle, OnZ(*narrowed_each(middle, wide, h))
 
 
 @dataclass(frozen=True)
@@ -191,6 +232,21 @@ def _lift_of_ankle(levers: list[tuple[Vector, Vector]], rates: list[Number]) -> 
     return leg + pelvis + swing
 
 
+def narrowed_series(middle: Ball, wide: Ball, h: Ball) -> Ball:
+    """`narrowed`, of series."""
+    a, b = ([coefficient(x, k) for k in range(ORDER + 1)] for x in (middle, wide))
+    return series(narrowed(a, b, h))
+
+
+def narrowed_each(middle: Number, wide: Number, h: Ball) -> Number:
+    """`narrowed_series` of each of many; what is no series stays as it is."""
+    if isinstance(middle, list | tuple):
+        return [narrowed_each(a, b, h) for a, b in zip(middle, wide, strict=True)]
+    if isinstance(wide, Jet):
+        return each_pair(lambda a, b: narrowed_each(a, b, h), middle, wide)
+    return wide if isinstance(wide, arb) else narrowed_series(middle, wide, h)
+
+
 def combined(columns: Sequence[Number], polynomials: Sequence[Number]) -> Number:
     """A sum of polynomials, series, by columns."""
     total = polynomials[0] * columns[0]
@@ -199,11 +255,12 @@ def combined(columns: Sequence[Number], polynomials: Sequence[Number]) -> Number
     return total
 
 
-def require_positive(x: Ball, name: str) -> None:
+def require_positive(x: Number, name: str) -> None:
     """Refuse a series, or a ball, to divide by unless it is known to be positive.
 
     Raises:
         NotEnclosedError: it may vanish; the name says what.
     """
-    if not is_positive(x if isinstance(x, arb) else coefficient(x, 0)):
+    value = value_of(x)
+    if not is_positive(value if isinstance(value, arb) else coefficient(value, 0)):
         raise NotEnclosedError(name)

@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from frontal_biped.zero_dynamics.proof.balls import Ball, arb, coefficient, is_negative, is_positive
-from frontal_biped.zero_dynamics.proof.half_orbit import DEEPEST, HEIGHT, HalfOrbit, Panel, Passed, Rows, walk
+from frontal_biped.zero_dynamics.proof.half_orbit import DEEPEST, HEIGHT, HalfOrbit, Panel, Passed, Rows, lifted, walk
 from frontal_biped.zero_dynamics.proof.half_path import Path
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.limits import BallOrbit, Bound, ProvedLimit
@@ -24,11 +24,17 @@ ROUGH = 1e-4
 SHORT = 1
 """Halvings of a panel of a rejoining path, at most: what is open there is mostly which of many reversals it is."""
 
+PANELS = 32
+"""Into which a whole falling path is cut, a power of two."""
+
 ACCURACY = 1e-6
 """To which least values are sought, in the units of the quantities."""
 
 Controls = dict[str, list[list[Ball]]]
 """Bernstein coefficients on panels, by name."""
+
+Paths = dict[str, list[Controls]]
+"""What is bounded along the pieces of a phase's path, by the name of the phase."""
 
 
 class Rejoining(NamedTuple):
@@ -45,8 +51,34 @@ class Rejoining(NamedTuple):
     looks: int
 
 
+class Rejoined(NamedTuple):
+    """Early reversals.
+
+    Attributes:
+        q: of all of them [-].
+        paths: what is bounded on the falling phases until they rejoin the path.
+        c: over which they do.
+    """
+
+    q: Ball
+    paths: Paths
+    c: float
+
+
+class Reserve(NamedTuple):
+    """When transitions that look ahead answer as those that do not (`looking_ahead`).
+
+    Attributes:
+        near: relative error of the speed up to which they do not look [-].
+        bounds: limits with the reserve that they keep of each.
+    """
+
+    near: float
+    bounds: Sequence[Bound]
+
+
 @dataclass(frozen=True)
-class _Piece:
+class PathPiece:
     """A path below a reversal, with what is bounded along it.
 
     Attributes:
@@ -60,7 +92,7 @@ class _Piece:
     M: Ball
 
     @classmethod
-    def of(cls, path: Path, at_rest: bool, deepest: int = DEEPEST) -> "_Piece":
+    def of(cls, path: Path, at_rest: bool, deepest: int = DEEPEST) -> "PathPiece":
         """A path that is not the planned one.
 
         Args:
@@ -88,6 +120,26 @@ class _Piece:
         rows[HEIGHT] = rows.pop(INNER) + rows.pop(OUTER)
         return cls(rows, at.L, at.W)
 
+    @classmethod
+    def to_impact(cls, path: Path) -> "PathPiece":
+        """A whole falling path, walked from rest at its reversal.
+
+        Args:
+            path: the path.
+
+        Raises:
+            NotEnclosedError: as `of`.
+        """
+        cuts = [k / PANELS for k in range(PANELS + 1)]
+        walked = list(walk(path, lambda panel: _contact_rows(panel, 0, False), cuts))
+        rows: Controls = {}
+        for panel, _, own in walked:
+            for name, taylor in own.items():
+                rows.setdefault(name, []).append(controls(taylor, panel.h))
+        on_ground, at = path.at(arb(1)).heights, walked[-1][1]
+        rows[HEIGHT] = [controls(taylor, h) for taylor, h in lifted([panel for panel, _, _ in walked], on_ground)]
+        return cls(rows, at.L, at.W)
+
 
 INNER, OUTER = "height of the inner end", "height of the outer end"
 """Rows of a path on which the sole does not come down [m]."""
@@ -112,7 +164,7 @@ def _contact_rows(panel: Panel, more: Ball | int, at_rest: bool) -> Rows:
     return rows
 
 
-def _on_planned(orbit: HalfOrbit, more: Ball) -> Controls:
+def on_planned(orbit: HalfOrbit, more: Ball) -> Controls:
     """Rows of the planned path, for all motions with at most so much more energy.
 
     Raises:
@@ -157,54 +209,64 @@ class PerturbedSteps:
         tapers: of the continuation beyond the planned reversal.
         rejoining: how an early falling phase rejoins its path.
         bounds: limits of contact and motors, C04 to C08 without the reserves of a plan.
-        alike: relative error of the speed up to which those that look ahead are no others [-].
+        reserve: when those that look ahead are no others.
     """
 
     orbit: BallOrbit
     tapers: Tapers
     rejoining: Rejoining
     bounds: Sequence[Bound]
-    alike: float
+    reserve: Reserve
 
     # ------------------------------------------------------------------ late
-    def late(self, beyond: float) -> tuple[Ball, list[ProvedLimit]]:
-        """The energy of the latest reversal [kg^2 m^4/s^2], and the limits of all motions that are not faster.
+    def late(self, beyond: float) -> tuple[Ball, Paths]:
+        """The energy of the latest reversal [kg^2 m^4/s^2], and what is bounded on all motions that are not faster.
 
         Args:
             beyond: where, past the planned one [rad]; 0: nowhere later.
 
         Raises:
-            NotEnclosedError: as `_Piece.of`.
+            NotEnclosedError: as `PathPiece.of`.
         """
         up, down = self.orbit.rising, self.orbit.falling
         more, pieces = arb(0), []
         if beyond > 0.0:
-            piece = _Piece.of(LatePath.of(self._mismatch.rising, self.tapers, beyond), at_rest=True)
+            piece = PathPiece.of(LatePath.of(self._mismatch.rising, self.tapers, beyond), at_rest=True)
             more = piece.L.exp() * piece.M * arb(beyond)
             pieces = [piece.rows]
-        paths = {"rising": [_on_planned(up, more), *pieces], "falling": [_on_planned(down, more), *pieces]}
-        return more, [self._limit(bound, paths) for bound in self.bounds]
+        return more, {"rising": [on_planned(up, more), *pieces], "falling": [on_planned(down, more), *pieces]}
 
     # ------------------------------------------------------------------ early
-    def early(self, nearest: float, farthest: float) -> tuple[Ball, list[ProvedLimit]]:
-        """m q of all reversals between two [-], and the limits of their falling phases.
+    def early(self, nearest: float, farthest: float) -> Rejoined:
+        """All reversals between two.
 
         Args:
             nearest: to the planned reversal, before it [rad].
             farthest: from it [rad].
 
         Raises:
-            NotEnclosedError: as `_Piece.of`, or it is not known which c is chosen.
+            NotEnclosedError: as `rejoined`, or it is not known which c is chosen.
         """
-        up, down = self.orbit.rising, self.orbit.falling
-        d = arb(nearest).union(arb(farthest))
-        path = self.chosen(d)
-        piece, c = _Piece.of(path, at_rest=False, deepest=SHORT), path.c
-        _, M_r = at_share(up, d / up.path.span)
+        return self.rejoined(self.chosen(arb(nearest).union(arb(farthest))))
+
+    def rejoined(self, path: EarlyPath) -> Rejoined:
+        """All reversals of a path.
+
+        Raises:
+            NotEnclosedError: as `PathPiece.of`.
+        """
+        up, down, c = self.orbit.rising, self.orbit.falling, path.c
+        piece = PathPiece.of(path, at_rest=False, deepest=SHORT)
+        _, M_r = at_share(up, path.d / up.path.span)
         L_f, M_f = at_share(down, path.share(arb(1)))
         q = ((1 + arb(c)) * M_f - arb(c) * (piece.L - L_f).exp() * piece.M) / M_r
-        limits = [self._limit(b, {"falling": [piece.rows]}) for b in self.bounds if b.name.endswith(", falling")]
-        return self.orbit.multiplier * q, limits
+        return Rejoined(q, {"falling": [piece.rows]}, c)
+
+    def early_speed(self, d: float) -> Ball:
+        """The speed after the impact that reverses so early [rad], relative to the orbit's."""
+        orbit = self.orbit.rising
+        _, M = at_share(orbit, arb(d) / orbit.path.span)
+        return (1 - M * arb(d) / orbit.energy).sqrt()
 
     @cached_property
     def _mismatch(self) -> Mismatch:
@@ -246,33 +308,55 @@ class PerturbedSteps:
         return Enclosed(min(I_P.lower() for I_P in seen), min(I_P.upper() for I_P in seen))
 
     # ------------------------------------------------------------------ limits
-    def limits_on(self, paths: dict[str, list[Controls]]) -> list[ProvedLimit]:
-        """What is proved of every bound, of rows along the pieces of the rising and of the falling phase."""
-        return [self._limit(bound, paths) for bound in self.bounds]
+    def limits(self, paths: Paths, bounds: Sequence[Bound]) -> list[ProvedLimit]:
+        """What is kept along paths of both phases, and at the impact.
 
-    def _limit(self, bound: Bound, paths: dict[str, list[Controls]]) -> ProvedLimit:
-        row, _, phase = bound.name.rpartition(", ")
-        if phase not in paths:
-            return ProvedLimit(bound, self._at_impact(bound))
-        lows = []
-        for rows in paths[phase]:
-            found = [rows[name] for name in (row, row + AT_REST) if name in rows]
-            if not found or (row == HEIGHT and (bound.lower, bound.upper) != (0.0, None)):
-                return ProvedLimit(bound, arb.nan())
-            for panels in found:
-                if bound.lower is not None:
-                    lows.append(least(panels, ACCURACY).low - arb(bound.lower))
-                if bound.upper is not None:
-                    negative = ([-a for a in panel] for panel in panels)
-                    lows.append(least(negative, ACCURACY).low + arb(bound.upper))
-        # what is not kept at the bounds of all motions may be kept on those that there are
-        worst = min(low.lower() for low in lows)
-        return ProvedLimit(bound, worst if worst >= 0 else arb.nan())
+        Args:
+            paths: of `late`.
+            bounds: what is asked; a lower one other than 0 on C05, or on what grows with the speed of the impact, is
+                told of late reversals only.
+        """
+        return [
+            _limit(bound, paths) if _phase(bound) in paths else ProvedLimit(bound, self._at_impact(bound))
+            for bound in bounds
+        ]
+
+    def limits_along(self, paths: Paths, bounds: Sequence[Bound]) -> list[ProvedLimit]:
+        """What is kept along the paths of `early`."""
+        return [_limit(bound, paths) for bound in bounds if _phase(bound) in paths]
 
     def _at_impact(self, bound: Bound) -> Ball:
         """The margin at the impact of the orbit, where its sign is the same at every speed."""
         proportional = bound.name not in ("L_h / L_v", "impulse in the sole", "both sole ends on the ground at impact")
         found = self.orbit.enclosed(bound)
-        if found is None or (proportional and (bound.lower, bound.upper) != (0.0, None)):
+        if found is None or (proportional and not _is_least(bound)):
             return arb.nan()
         return found.low.union(found.high)
+
+
+def _phase(bound: Bound) -> str:
+    return bound.name.rpartition(", ")[2]
+
+
+def _is_least(bound: Bound) -> bool:
+    """Is it a lower one, not below 0, alone?"""
+    return bound.upper is None and bound.lower is not None and bound.lower >= 0.0
+
+
+def _limit(bound: Bound, paths: Paths) -> ProvedLimit:
+    row, _, phase = bound.name.rpartition(", ")
+    lows = []
+    for rows in paths[phase]:
+        found = [rows[name] for name in (row, row + AT_REST) if name in rows]
+        # off the planned path the height itself stands for C05: the share of the way by which it is divided is below 1
+        if not found or (row == HEIGHT and not _is_least(bound)):
+            return ProvedLimit(bound, arb.nan())
+        for panels in found:
+            if bound.lower is not None:
+                lows.append(least(panels, ACCURACY).low - arb(bound.lower))
+            if bound.upper is not None:
+                negative = ([-a for a in panel] for panel in panels)
+                lows.append(least(negative, ACCURACY).low + arb(bound.upper))
+    # what is not kept at the bounds of all motions may be kept on those that there are
+    worst = min(low.lower() for low in lows)
+    return ProvedLimit(bound, worst if worst >= 0 else arb.nan())

@@ -19,7 +19,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from frontal_biped.zero_dynamics.proof.ball_gait import BallStep
-from frontal_biped.zero_dynamics.proof.balls import ORDER, Ball, Number, arb, coefficient, series
+from frontal_biped.zero_dynamics.proof.balls import ORDER, Ball, Number, arb, coefficient, series, value_of
 from frontal_biped.zero_dynamics.proof.chain import sums
 from frontal_biped.zero_dynamics.proof.half_path import HalfPath, Path, Shape, combined
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError, bernstein
@@ -122,10 +122,10 @@ class Mismatch:
         mu = [difference(a, b, 1) for a, b in zip(up.slopes[1:], down.slopes[1:], strict=True)]
         return nu, mu, difference(up.p_fri, down.p_fri, 1)
 
-    def at(self, d: Ball) -> tuple[list[Ball], list[Ball], Ball]:
-        """nu (3,), mu (3,) and pi for all d of a ball [rad]."""
+    def at(self, d: Number) -> tuple[list[Number], list[Number], Number]:
+        """nu (3,), mu (3,) and pi for all d of a ball, or a `Jet` of it [rad]."""
         nu, mu, pi = self._polynomials
-        return [_value(p, d) for p in nu], [_value(p, d) for p in mu], _value(pi, d)
+        return [polynomial_at(p, d) for p in nu], [polynomial_at(p, d) for p in mu], polynomial_at(pi, d)
 
 
 @dataclass(frozen=True)
@@ -141,20 +141,20 @@ class EarlyPath(Path):
     """
 
     falling: HalfPath
-    d: Ball
+    d: Number
     c: float
-    columns: list[list[Ball]]
-    pi: Ball
+    columns: list[list[Number]]
+    pi: Number
 
     @classmethod
-    def of(cls, mismatch: Mismatch, d: Ball, c: float) -> "EarlyPath":
+    def of(cls, mismatch: Mismatch, d: Number, c: float) -> "EarlyPath":
         """Of all reversals so early.
 
         Raises:
             NotEnclosedError: the way to the impact may be shorter, or the degree is too high.
         """
         falling = mismatch.falling
-        if not falling.span > (1 + arb(c)) * d:
+        if not falling.span > (1 + arb(c)) * value_of(d):
             raise NotEnclosedError("way left")
         nu, mu, pi = mismatch.at(d)
         nothing, steep = arb(0), arb(c) / 5
@@ -175,13 +175,13 @@ class EarlyPath(Path):
         more: list[list[Number]] = [[nothing], [nothing], [nothing]]
         for columns in self.columns:
             for k, scale in enumerate((d * d, d / c, 1 / (c * c))):
-                more[k].append(combined(_derived(columns, k), bases[k]) * scale)
+                more[k].append(combined(derived(columns, k), bases[k]) * scale)
         links = [sums(part) for part in more]
         fri = [arb(0)] * 3 + [self.pi] * 3
         angles = [_added(a, b) for a, b in zip(path[:3], links, strict=True)]
         joints = [_added(a, b) for a, b in zip(path[3:6], more, strict=True)]
         p_fri = path.p_fri + combined(fri, bases[0]) * d
-        dp_fri = path.dp_fri + combined(_derived(fri, 1), bases[1]) / c
+        dp_fri = path.dp_fri + combined(derived(fri, 1), bases[1]) / c
         return Shape(angles[0], angles[1], angles[2], joints[0], joints[1], joints[2], p_fri, dp_fri)
 
 
@@ -189,7 +189,7 @@ def _added(x: Sequence[Number], y: Sequence[Number]) -> list[Number]:
     return [a + b for a, b in zip(x, y, strict=True)]
 
 
-def _derived(columns: Sequence[Ball], times: int) -> list[Ball]:
+def derived(columns: Sequence[Number], times: int) -> list[Number]:
     """Bezier columns of a derivative by x."""
     found = list(columns)
     for _ in range(times):
@@ -198,8 +198,9 @@ def _derived(columns: Sequence[Ball], times: int) -> list[Ball]:
     return found
 
 
-def _value(polynomial: Sequence[Ball], x: Ball) -> Ball:
-    total = arb(0)
+def polynomial_at(polynomial: Sequence[Ball], x: Number) -> Number:
+    """The value of a polynomial, by coefficients from the constant on."""
+    total: Number = arb(0)
     for a in reversed(polynomial):
         total = total * x + a
     return total

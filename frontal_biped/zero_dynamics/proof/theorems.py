@@ -38,6 +38,9 @@ points of every grid too.*
 **Basin** (`basin`, with the proof). *From every speed after the impact in the interval given, re-anchored transitions
 return to that orbit; every step on the way exists and keeps the limits of contact and motors.*
 
+**Looked up** (`choices`, with the proof). *So it is of transitions that look ahead, from every speed of another
+interval, where they answer as the gait's table has it.*
+
 **Ankle law** (`ankle_basin`, with the proof). *From every speed after the impact in the interval given, the ankle law
 reaches that orbit in so many steps, at most; every step on the way exists and keeps those limits.*
 """

@@ -8,9 +8,13 @@ import pytest
 from frontal_biped.analysis.proof_inputs import perturbed_steps
 from frontal_biped.analysis.return_map import RestrictedMap
 from frontal_biped.control.stabilisers.by_name import make_stabiliser
+from frontal_biped.control.stabilisers.look_ahead import NEAR, LookAheadTransitions
 from frontal_biped.control.stabilisers.transitions import REJOINS
+from frontal_biped.gait.constraints import HEIGHT, IMPULSE, SPEED
+from frontal_biped.gait.look_ahead_table import Way
 from frontal_biped.virtual_constraints.anchoring import anchored_falling
 from frontal_biped.virtual_constraints.invariance import free_parameters
+from frontal_biped.zero_dynamics.half_steps import falling_energy, rising_energy
 from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.balls import arb, working
 from frontal_biped.zero_dynamics.proof.basin import BasinTiles, no_basin, prove_basin
@@ -25,8 +29,10 @@ ROUNDING = 1e-7
 MAP = 1e-6
 """Of a speed that the measured map finds, relative."""
 
-LATE, TILE = 0.4, 1 / 1024
-"""Of the reference gait: a late reversal, and the width of tiles of early ones, as shares of the rising range."""
+LATE, LAST, ALIKE, TILE = 0.4, 0.42, 0.38, 1 / 1024
+"""Of the reference gait, as shares of the rising range: a late reversal, one of the last that return, one at which
+looking ahead changes nothing, and the width of tiles of early ones.
+"""
 
 
 class Steps:
@@ -55,7 +61,7 @@ def steps(biped, reference_gait):
 def proved(steps):
     """With a late reversal and tiles that are given: nothing is sought."""
     range_ = steps.gait.rising.range
-    return steps.proved(BasinTiles(LATE * range_, tuple(k * TILE * range_ for k in range(4))))
+    return steps.proved(BasinTiles(LATE * range_, tuple(k * TILE * range_ for k in range(4)), alike=ALIKE * range_))
 
 
 def holds_and_agrees(steps, proved):
@@ -87,8 +93,10 @@ def test_the_widest_that_is_found(which, biped, request):
     proved = steps.proved()
     holds_and_agrees(steps, proved)
     shrinks_as_measured(steps, (1.0 - share * (1.0 - proved.low) for share in (0.1, 0.6, 1.0)))
-    again = steps.proved(BasinTiles(proved.beyond, proved.tiles))
+    answers_alike(steps, proved)
+    again = steps.proved(BasinTiles(proved.beyond, proved.tiles, alike=proved.alike))
     assert (again.low, again.high, again.tiles) == (proved.low, proved.high, proved.tiles)
+    assert again.looking_ahead == proved.looking_ahead
     assert again.factor.overlaps(proved.factor)
     assert again.proved is Proof.PROVED
 
@@ -99,7 +107,8 @@ def shrinks_as_measured(steps, ratios):
         step = steps.measured.step(steps.measured.start(ratio))
         d = steps.gait.beta_reversal - step.reversal
         with working():
-            shrinks, _ = steps.steps.early(d, d)
+            q, _ = steps.steps.early(d, d)
+            shrinks = q * steps.steps.orbit.multiplier
         before = ratio**2 - 1.0
         measured = (steps.measured.speed_ratio(step.landed) ** 2 - 1.0) / before
         assert shrinks.overlaps(arb(measured, MAP / abs(before)))
@@ -125,8 +134,8 @@ def test_where_the_speed_goes_away(biped, level_gait):
     step = steps.measured.step(steps.measured.start(0.98 * steps.measured.basin().low))
     d = steps.gait.beta_reversal - step.reversal
     with working():
-        shrinks, _ = steps.steps.early(d, d)
-        assert shrinks > 1
+        q, _ = steps.steps.early(d, d)
+        assert q * steps.steps.orbit.multiplier > 1
 
 
 def agree(ball_shape, motion):
@@ -210,12 +219,64 @@ def test_a_limit_without_an_enclosure_leaves_nothing(steps, name):
     assert steps.proved(bounds=[*steps.steps.bounds, unknown]).proved is Proof.UNDECIDED
 
 
-def test_looking_ahead_answers_alike_where_that_is_said(steps, proved):
-    """There, the stabiliser that looks ahead makes the very steps of the one that does not; past it, it looks."""
+def answers_alike(steps, proved):
+    """The stabiliser that looks ahead makes the very steps of the one that does not, also where it does look."""
     low, high = proved.looking_ahead
-    assert proved.low <= low < 1.0 < high <= proved.high
-    ahead = RestrictedMap(steps.biped, steps.gait, make_stabiliser("adaptive", steps.biped, steps.gait))
-    for ratio in np.linspace(low, high, 5):
-        plain, looked = (one.step(one.start(ratio)) for one in (steps.measured, ahead))
-        assert (looked.reversal, looked.landed.dbeta) == (plain.reversal, plain.landed.dbeta)
+    assert proved.low <= low < 1.0 < 1.0 + 5.0 * NEAR < high <= proved.high
+    ahead = LookAheadTransitions(steps.biped, steps.gait, look_up=False)
+    closed_form = RestrictedMap(steps.biped, steps.gait, ahead)
+    for ratio in [*np.linspace(low, high, 7), 1.0 + 1.01 * NEAR]:
+        plain, looked = (one.step(one.start(ratio)) for one in (steps.measured, closed_form))
+        assert looked.reversal == pytest.approx(plain.reversal, abs=1e-12)
+        assert looked.landed.dbeta == pytest.approx(plain.landed.dbeta, rel=1e-12)
+        foreseen = ahead.foreseen(float(ratio))
+        assert (foreseen.choice.stretch, foreseen.choice.descent.way) == (0.0, Way.ANCHORED)
+
+
+def test_looking_ahead_answers_alike_where_that_is_said(steps, proved):
+    answers_alike(steps, proved)
     assert no_basin("").looking_ahead == (1.0, 1.0)
+
+
+def test_without_the_reserve_looking_ahead_is_alike_only_near(steps):
+    """One of the last reversals that return is too late for it; where none is given nothing more is known."""
+    last = LAST * steps.gait.rising.range
+    for alike in (last, 0.0):
+        found = steps.proved(BasinTiles(last, (0.0,), alike=alike))
+        assert found.proved is Proof.PROVED
+        assert found.looking_ahead[1] == pytest.approx(1.0 + NEAR, abs=1e-8)
+
+
+def test_the_reserve_is_what_looking_ahead_asks_for(steps):
+    """At the orbit, the margins of balls are the measured ones less what is required."""
+    gait, ahead = steps.gait, LookAheadTransitions(steps.biped, steps.gait, look_up=False)
+    energy = rising_energy(steps.biped, steps.stabiliser.planned_rising)
+    falling = falling_energy(steps.biped, gait.falling, gait.beta_reversal)
+    measured = {
+        margin.name: margin.value
+        for margin in (
+            *ahead.limits.rising(energy, gait.orbit.beta_dot_after_impact, gait.beta_reversal),
+            *ahead.limits.falling(falling, gait.beta_reversal),
+        )
+    }
+    sole = steps.biped.sole[1] - steps.biped.sole[0]
+    for name, margin, unit in (
+        ("F_h / F_v, rising", "friction, rising", 1.0),
+        ("F_v / m g, falling", "normal force, falling", 1.0),
+        ("FRI in the sole, rising", "FRI in the sole, rising", sole),
+        ("sole height / (1 - t2), falling", "swing foot clearance, falling", HEIGHT),
+        ("touchdown speed of both sole ends", "touchdown speed", SPEED),
+        ("normal impulse / m", "normal impulse", IMPULSE),
+        ("L_h / L_v", "impulse in the friction cone", 1.0),
+        ("impulse in the sole", "impulse in the sole", sole),
+        ("lift-off speed of the old stance sole", "lift-off of the old stance foot", SPEED),
+    ):
+        with working():
+            [bound] = [bound for bound in steps.steps.reserve.bounds if bound.name == name]
+            left = steps.steps.orbit.enclosed(bound)
+        assert float(left.low) == pytest.approx((measured[margin] - ahead.required[margin]) * unit, rel=0.02, abs=1e-6)
+    torques = [bound for bound in steps.steps.reserve.bounds if "torque" in bound.name]
+    assert len(torques) == 8
+    most = steps.gait.specification.torque_limits(steps.biped)
+    for bound in torques:
+        assert bound.upper == pytest.approx((1.0 - ahead.required["torque, rising"]) * most[0], rel=1e-6)
