@@ -27,7 +27,14 @@ from frontal_biped.zero_dynamics.proof.half_orbit import (
     panel_of,
     walk,
 )
-from frontal_biped.zero_dynamics.proof.half_path import HalfPath, Path, Projected, Shape, require_positive, zero_dynamics_at
+from frontal_biped.zero_dynamics.proof.half_path import (
+    HalfPath,
+    Path,
+    Projected,
+    Shape,
+    require_positive,
+    zero_dynamics_at,
+)
 from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.limits import Cuts, ProvedLimit
 from frontal_biped.zero_dynamics.proof.perturbed_steps import (

@@ -121,10 +121,10 @@ def half_step(chain: BallChain, start: Ball, span: Number, joints: list[list[Num
         joints: columns of the three joints after the first, from the impact on [rad].
         fri: those of the FRI target [m].
     """
-    return HalfStep(chain, span, absolute_angles(start, span, joints), Curve.of(fri, span))
+    return HalfStep(chain, span, _absolute_angles(start, span, joints), Curve.of(fri, span))
 
 
-def absolute_angles(start: Ball, span: Number, joints: list[list[Number]]) -> tuple[Curve, ...]:
+def _absolute_angles(start: Ball, span: Number, joints: list[list[Number]]) -> tuple[Curve, ...]:
     """Bezier columns of the links' absolute angles, from those of the joints; beta itself is linear."""
     degree = len(joints[0]) - 1
     quarter = arb.pi() / 2

@@ -43,7 +43,8 @@ from frontal_biped.zero_dynamics.proof.perturbed_steps import (
     on_planned,
 )
 from frontal_biped.zero_dynamics.proof.reversals import EarlyPath, LatePath, Mismatch, Tapers
-from frontal_biped.zero_dynamics.proof.stretched_paths import LowerPart, RescaledPath, stretched
+from frontal_biped.zero_dynamics.proof.stretched_paths import LowerPart, RescaledPath
+from frontal_biped.zero_dynamics.proof.stretched_step import stretched
 from frontal_biped.zero_dynamics.proof.theorems import Proof, told
 
 SLACK = 2e-9
@@ -233,7 +234,8 @@ class _Stretched:
     def __init__(self, steps: PerturbedSteps, stretch: float) -> None:
         orbit = steps.orbit
         self.orbit, self.sole = orbit, orbit.rising.path.sole
-        self.step = stretched(orbit.step, orbit.gait.begin, orbit.gait.end, stretch)
+        later = orbit.rising.path.span * arb(stretch)
+        self.step = stretched(orbit.step, orbit.gait.begin, orbit.gait.end, later)
         self.rising, self.falling = (HalfPath.of(half, self.sole) for half in (self.step.rising, self.step.falling))
 
     @cached_property

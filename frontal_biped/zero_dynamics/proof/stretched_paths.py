@@ -1,8 +1,7 @@
 r"""Paths of a step whose rising phase is stretched, and whose falling phase begins wherever that reverses, in balls.
 
-What `control.stabilisers.look_ahead` chooses from. Stretched by sigma the rising phase takes (1 + sigma) times its
-range to the same pose, its slope after the impact kept. Begun at its end, the falling phase has its columns 1 and M - 1
-moved so that the slopes at both ends are those of the rising phase and of the impact (`anchoring.with_ends`).
+What `control.stabilisers.look_ahead` chooses from. The step that reverses at the end of the stretched phase is in
+`stretched_step`.
 
 **Rescaled**, from any other reversal, its inner columns are moved along with its start. With y the share of the way, M
 the degree, Lambda the way and h, Lambda_f those of the planned phase, slope the rising phase's at the reversal,
@@ -20,50 +19,13 @@ are not blown up by second differences of columns that move together.
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
 
-from frontal_biped.zero_dynamics.proof.ball_gait import BallStep, half_step
 from frontal_biped.zero_dynamics.proof.balls import ORDER, Ball, Number, arb, coefficient, series, value_of
 from frontal_biped.zero_dynamics.proof.chain import sums
 from frontal_biped.zero_dynamics.proof.half_path import HalfPath, Path, Shape, combined
-from frontal_biped.zero_dynamics.proof.half_step import HalfStep, NotEnclosedError, bernstein
+from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError, bernstein
 from frontal_biped.zero_dynamics.proof.reversals import LatePath, Tapers, derived, polynomial_at
-
-
-def stretched(step: BallStep, begin: Ball, end: Ball, stretch: float) -> BallStep:
-    """The step with a longer rising phase, which reverses where that ends.
-
-    Args:
-        step: the step.
-        begin: beta after an impact [rad].
-        end: beta before one [rad].
-        stretch: of the rising phase, relative to its range [-].
-    """
-    rising, falling = step.rising, step.falling
-    longer = 1 + arb(stretch)
-    up, down = rising.span * longer, falling.span + rising.span * arb(stretch)
-    ups, downs = joint_columns(rising), joint_columns(falling)
-    for columns in ups:
-        columns[1] = columns[0] + (columns[1] - columns[0]) * longer
-    share = down / falling.span
-    for columns in downs:
-        columns[1] = columns[0] + (columns[1] - columns[0]) * share
-        columns[-2] = columns[-1] + (columns[-2] - columns[-1]) * share / longer
-    chain = rising.chain
-    return BallStep(
-        half_step(chain, begin, up, ups, list(rising.fri.columns)),
-        half_step(chain, end, down, downs, list(falling.fri.columns)),
-        step.speed_ratio,
-    )
-
-
-def joint_columns(half: HalfStep) -> list[list[Number]]:
-    """Columns of the three joints after the first, from the impact on [rad]."""
-    quarter = arb.pi() / 2
-    return [
-        [b - a - quarter for a, b in zip(below.columns, above.columns, strict=True)]
-        for below, above in pairwise(half.angles)
-    ]
+from frontal_biped.zero_dynamics.proof.stretched_step import joint_columns
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-r"""The step of a landing too fast for the planned reversal, stretched until it reverses there, in balls.
+r"""A step whose rising phase is stretched and reverses at its end, in balls.
 
 What `half_steps.stretch_to_reversal` and `anchoring.with_ends` make of a planned step: the rising phase takes the same
 poses in the same order, the last one e past the planned reversal; pose and slope at its start stay, as in
@@ -13,12 +13,11 @@ M_r and M their degrees:
 Delta_f negative; all other columns, those of the FRI target among them, are as planned. So is the impact.
 """
 
-from dataclasses import replace
 from itertools import pairwise
 
-from frontal_biped.zero_dynamics.proof.ball_gait import BallStep, absolute_angles
+from frontal_biped.zero_dynamics.proof.ball_gait import BallStep, half_step
 from frontal_biped.zero_dynamics.proof.balls import Ball, Number, arb
-from frontal_biped.zero_dynamics.proof.half_step import Curve, HalfStep, NotEnclosedError
+from frontal_biped.zero_dynamics.proof.half_step import HalfStep, NotEnclosedError
 
 LEAST_DEGREE = 3
 """Of the joints: below, columns at the two ends are the same."""
@@ -47,13 +46,11 @@ def stretched(step: BallStep, begin: Ball, end: Ball, e: Ball) -> BallStep:
         r[1] = r[0] + (r[1] - r[0]) * (up / rising.span)
         c[1] = c[0] + (c[1] - c[0]) * (down / falling.span)
         c[-2] = c[-1] - (r[-1] - r[-2]) * arb(M_r) / M * (down / up)
-    return BallStep(_half(rising, begin, up, joints_r), _half(falling, end, down, joints_f), step.speed_ratio)
-
-
-def _half(planned: HalfStep, start: Ball, span: Ball, joints: list[list[Number]]) -> HalfStep:
-    """A half step with other columns, along the planned range of its variable."""
-    angles = (list(curve.columns) for curve in absolute_angles(start, span, joints))
-    return replace(planned, angles=tuple(Curve.of(columns, planned.span) for columns in angles))
+    return BallStep(
+        half_step(rising.chain, begin, up, joints_r, list(rising.fri.columns)),
+        half_step(falling.chain, end, down, joints_f, list(falling.fri.columns)),
+        step.speed_ratio,
+    )
 
 
 def joint_columns(half: HalfStep) -> list[list[Number]]:

@@ -20,7 +20,8 @@ from frontal_biped.zero_dynamics.proof.families import Family
 from frontal_biped.zero_dynamics.proof.half_path import HalfPath
 from frontal_biped.zero_dynamics.proof.limits import BallOrbit
 from frontal_biped.zero_dynamics.proof.reversals import Tapers
-from frontal_biped.zero_dynamics.proof.stretched_paths import LowerPart, RescaledPath, stretched
+from frontal_biped.zero_dynamics.proof.stretched_paths import LowerPart, RescaledPath
+from frontal_biped.zero_dynamics.proof.stretched_step import stretched
 from frontal_biped.zero_dynamics.proof.theorems import Proof, nearest_zero
 
 ROUNDING = 1e-7
@@ -158,7 +159,7 @@ def test_paths_are_those_that_looking_ahead_answers(answers, stretch, y):
     anchored = law.plain.falling(rising, rising.beta_end + 1e-3)
     tapers = Tapers(rising.taper, rising.curvature_taper, rising.fri_taper)
     with working():
-        step = stretched(orbit.step, orbit.gait.begin, orbit.gait.end, stretch)
+        step = stretched(orbit.step, orbit.gait.begin, orbit.gait.end, orbit.rising.path.span * arb(stretch))
         up, down = (HalfPath.of(half, answers.biped.sole) for half in (step.rising, step.falling))
         planned = orbit.falling.path
 
