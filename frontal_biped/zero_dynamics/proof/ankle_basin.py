@@ -126,6 +126,9 @@ FIRST_SHARE, MOST_SHARES = 0.25, 24
 FIRST_STRETCH, MOST_STRETCHES = 1 / 128, 64
 """Width of the first tile of stretched phases, as a share of the rising phase's range, and how many at most."""
 
+MOST_PANELS = 2432
+"""Of all of these at most, where a step takes more panels than those of the Table I gaits."""
+
 WIDENING, NARROWING, LEAST = 1.1, 0.7, 1 / 32
 """Factors from one width to the next, where a tile does and where not; share of the first below which none is tried."""
 
@@ -224,7 +227,8 @@ def _shifted(steps: AnkleSteps, end: Ball, given: Sequence[float]) -> _Found:
 def _stretched(steps: AnkleSteps, given: Sequence[float]) -> _Found:
     range_ = float(steps.steps.orbit.rising.path.span.mid())
     most = steps.rule.stretch * steps.rule.stretches * range_
-    return _tiled(steps.stretched, given, Widths(FIRST_STRETCH * range_, most, MOST_STRETCHES))
+    number = min(MOST_STRETCHES, MOST_PANELS // steps.panels)
+    return _tiled(steps.stretched, given, Widths(FIRST_STRETCH * range_, most, number))
 
 
 class Widths(NamedTuple):

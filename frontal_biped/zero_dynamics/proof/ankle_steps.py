@@ -310,6 +310,11 @@ class AnkleSteps:
         step = stretched(self.steps.orbit.step, gait.begin, gait.end, arb(least).union(arb(most)))
         return self.start(self._unshifted(Moved.of(HalfPath.of(step.rising, sole), self.room.low)))
 
+    @property
+    def panels(self) -> int:
+        """Of a stretched step."""
+        return sum(len(cuts) - 1 for cuts in self._cuts)
+
     def _unshifted(self, path: Moved) -> Way:
         # it begins as planned
         return Way.of(_panels(path, self._cuts.rising), _shifted(self._landed, path.shift), arb(0))
