@@ -179,7 +179,7 @@ class StanceModel:
     """
 
     def __init__(self, biped: FrontalBiped) -> None:
-        # the foot on one planar joint: a third less time than on three joints of one freedom each, for the same numbers
+        # the foot on one planar joint: a fifth less time than on three joints of one freedom each, for the same numbers
         self._model = biped.chain.planar_base_model()
         self._data = self._model.createData()
         self._q, self._dq = pin.neutral(self._model), np.zeros(BASE + JOINTS)
