@@ -53,7 +53,7 @@ SLACK = 2e-9
 PAST = 1e-6
 """Reversal by which it is, likewise [rad]."""
 
-FIRST_TILE, WIDENING, LEAST_TILE = 1 / 128, 1.5, 1 / 4096
+FIRST_TILE, WIDENING, LEAST_TILE = 1 / 128, 1.5, 1 / 2048
 """Width of the first tile of an interval, as a share of the range of the planned rising phase; factor to the next one,
 until one must be halved; width below which a tile is not halved again.
 """
@@ -208,7 +208,8 @@ def _answered(
     """An interval, from its inner end outwards."""
     inner = (choice.low, choice.high)[::outwards][0]
     if choice.as_planned:
-        same = outwards > 0 or all(c == choice.rejoin for c in basin.rejoins)
+        # the table leaves c open where the reversal is the planned one or later: then it is chosen as there
+        same = choice.rejoin is None or all(c == choice.rejoin for c in basin.rejoins)
         low, high = (basin.low, basin.high) if same else (1.0, 1.0)
         end = min(choice.high, high) if outwards > 0 else max(choice.low, low)
         return _Reached((), basin.factor, end, "that is as far as re-anchored phases are known")

@@ -107,7 +107,7 @@ def shrinks_as_measured(steps, ratios):
         step = steps.measured.step(steps.measured.start(ratio))
         d = steps.gait.beta_reversal - step.reversal
         with working():
-            q, _ = steps.steps.early(d, d)
+            q = steps.steps.early(d, d).q
             shrinks = q * steps.steps.orbit.multiplier
         before = ratio**2 - 1.0
         measured = (steps.measured.speed_ratio(step.landed) ** 2 - 1.0) / before
@@ -134,7 +134,7 @@ def test_where_the_speed_goes_away(biped, level_gait):
     step = steps.measured.step(steps.measured.start(0.98 * steps.measured.basin().low))
     d = steps.gait.beta_reversal - step.reversal
     with working():
-        q, _ = steps.steps.early(d, d)
+        q = steps.steps.early(d, d).q
         assert q * steps.steps.orbit.multiplier > 1
 
 
