@@ -240,6 +240,16 @@ def reference_gait(reference_design: DesignResult) -> Gait:
 
 
 @pytest.fixture(scope="session")
+def reference_certificate(biped, reference_gait):
+    """Of the reference gait, without stretched phases in the basin of the ankle law: they take longest."""
+    from frontal_biped.analysis.proof import prove
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("frontal_biped.zero_dynamics.proof.ankle_basin.MOST_STRETCHES", 0)
+        return prove(biped, reference_gait)
+
+
+@pytest.fixture(scope="session")
 def level_gait(level_design: DesignResult) -> Gait:
     assert level_design.gait is not None, level_design.message
     return level_design.gait

@@ -5,7 +5,6 @@ from dataclasses import replace
 import pytest
 
 from frontal_biped.analysis.closed_form import analyze
-from frontal_biped.analysis.proof import prove
 from frontal_biped.analysis.statements import Statement, defects, in_brief, statements, table_text
 from frontal_biped.numerics.verdict import COLUMNS, Verdict
 from frontal_biped.zero_dynamics.proof.theorems import Proof
@@ -17,8 +16,8 @@ def analysis(biped, reference_gait):
 
 
 @pytest.fixture(scope="module")
-def proof(biped, reference_gait):
-    return prove(biped, reference_gait).proof
+def proof(reference_certificate):
+    return reference_certificate.proof
 
 
 def test_nothing_is_contradicted_of_a_gait(analysis, proof):

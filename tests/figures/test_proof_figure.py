@@ -2,19 +2,13 @@
 
 import re
 
-import pytest
 from figure_laws import assert_fit_for_a_column
 
-from frontal_biped.analysis.proof import prove
 from frontal_biped.figures.proof import proved_zeros
 
 
-@pytest.fixture(scope="module")
-def certificate(biped, reference_gait):
-    return prove(biped, reference_gait)
-
-
-def test_every_proved_zero_is_drawn(biped, certificate):
+def test_every_proved_zero_is_drawn(biped, reference_certificate):
+    certificate = reference_certificate
     figure = proved_zeros(biped, certificate)
     assert_fit_for_a_column(figure)
     upper, lower = figure.get_axes()

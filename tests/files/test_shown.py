@@ -20,6 +20,7 @@ from frontal_biped.zero_dynamics.proof.ankle_basin import no_ankle_basin
 from frontal_biped.zero_dynamics.proof.attraction import Attraction, Tiles
 from frontal_biped.zero_dynamics.proof.balls import arb
 from frontal_biped.zero_dynamics.proof.basin import no_basin
+from frontal_biped.zero_dynamics.proof.choices import no_choices
 from frontal_biped.zero_dynamics.proof.gait_proof import GaitProof
 from frontal_biped.zero_dynamics.proof.imposed_zeros import ImposedZeros
 from frontal_biped.zero_dynamics.proof.limits import ProvedLimits
@@ -36,6 +37,7 @@ PROOF = GaitProof(
     Attraction(Tiles(0.0, (), ((-1.56, -1.55),), ()), Proof.PROVED),
     ProvedLimits((), None),
     no_basin("the orbit is not enclosed"),
+    no_choices("there is no table"),
     no_ankle_basin("the orbit is not enclosed"),
 )
 
