@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 import frontal_biped.analysis.proof
 from frontal_biped.analysis.proof import _digest, prove, verify
+from frontal_biped.control.stabilisers.tabulation import tabulated
 from frontal_biped.exceptions import GaitFileError, ProofError
 from frontal_biped.gait.file import load_gait, save_gait
 from frontal_biped.gait.gait import converged_nodes
@@ -31,16 +32,20 @@ BESIDE = 4e-4
 """Half of the region of S with which a certificate is made quickly [rad]."""
 
 
-@pytest.fixture(scope="module")
-def proof(biped, reference_gait):
+def prove_quickly(biped, gait):
     """Of the whole region at fixed parameters, of a small one with invariance imposed, and without stretched phases."""
-    planned = reference_gait.rising.beta_end
+    planned = gait.rising.beta_end
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(
             "frontal_biped.analysis.proof.imposed_regions", lambda _: ((planned - BESIDE, planned + BESIDE),)
         )
         patched.setattr("frontal_biped.zero_dynamics.proof.ankle_basin.MOST_STRETCHES", 0)
-        return prove(biped, reference_gait)
+        return prove(biped, gait)
+
+
+@pytest.fixture(scope="module")
+def proof(biped, reference_gait):
+    return prove_quickly(biped, reference_gait)
 
 
 @pytest.fixture
@@ -143,6 +148,22 @@ def test_a_gait_with_close_zeros():
 def test_a_certificate_is_checked_from_its_file_alone(proof, stored):
     again = verify(stored)
     assert again.proof.rows == proof.proof.rows
+
+
+@pytest.mark.slow
+def test_a_basin_by_a_table_is_kept_and_checked(biped, reference_gait, tmp_path, monkeypatch):
+    """Up to where the table stretches, and a little past it; one that is said to be wider is refused."""
+    gait = tabulated(biped, reference_gait, slowest=0.997, fastest=1.045)
+    certificate = prove_quickly(biped, gait)
+    found = certificate.proof.choices
+    assert found.proved is Proof.PROVED and found.tiles
+    assert found.high > max(1.04, certificate.proof.basin.high)
+    certificate.save(tmp_path / "gait.proof.json")
+    assert verify(tmp_path / "gait.proof.json").proof.rows == certificate.proof.rows
+    changed(tmp_path / "gait.proof.json", lambda table: table["choices"].update(high=1.1))
+    accept_any_digest(monkeypatch, tmp_path / "gait.proof.json")
+    with pytest.raises(ProofError, match=r"choices.* does not hold"):
+        verify(tmp_path / "gait.proof.json")
 
 
 def test_every_part_of_a_file_is_described(stored):

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
+from frontal_biped.zero_dynamics.proof.ball_gait import BallStep
 from frontal_biped.zero_dynamics.proof.balls import Ball, Number, arb, coefficient, is_positive
 from frontal_biped.zero_dynamics.proof.half_orbit import (
     HEIGHT,
@@ -45,7 +46,7 @@ from frontal_biped.zero_dynamics.proof.perturbed_steps import (
     PerturbedSteps,
 )
 from frontal_biped.zero_dynamics.proof.ranges import controls
-from frontal_biped.zero_dynamics.proof.stretched_step import stretched
+from frontal_biped.zero_dynamics.proof.stretched_step import over_ranges_of, stretched
 
 PROBE = 1e-4
 """Shift by which it is first seen what a shift does to the next speed [m]."""
@@ -282,8 +283,7 @@ class AnkleSteps:
             NotEnclosedError: as `Way.of`, the ground may pull, or it is not known what is chosen.
         """
         e, sole = arb(least).union(arb(most)), self.steps.orbit.rising.path.sole
-        gait = self.steps.orbit.gait
-        step = stretched(self.steps.orbit.step, gait.begin, gait.end, e)
+        step = self._stretched(e)
         rising = Moved.of(HalfPath.of(step.rising, sole), self.room.low)
         up = self._unshifted(rising)
         path = HalfPath.of(step.falling, sole)
@@ -306,14 +306,17 @@ class AnkleSteps:
         Raises:
             NotEnclosedError: as `Way.of`.
         """
-        gait, sole = self.steps.orbit.gait, self.steps.orbit.rising.path.sole
-        step = stretched(self.steps.orbit.step, gait.begin, gait.end, arb(least).union(arb(most)))
+        step, sole = self._stretched(arb(least).union(arb(most))), self.steps.orbit.rising.path.sole
         return self.start(self._unshifted(Moved.of(HalfPath.of(step.rising, sole), self.room.low)))
 
     @property
     def panels(self) -> int:
         """Of a stretched step."""
         return sum(len(cuts) - 1 for cuts in self._cuts)
+
+    def _stretched(self, e: Ball) -> BallStep:
+        orbit = self.steps.orbit
+        return over_ranges_of(orbit.step, stretched(orbit.step, orbit.gait.begin, orbit.gait.end, e))
 
     def _unshifted(self, path: Moved) -> Way:
         # it begins as planned

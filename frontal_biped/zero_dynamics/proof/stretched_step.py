@@ -11,13 +11,17 @@ M_r and M their degrees:
           c_{M-1} := c_M + (c_{M-1} - c_M) \frac{\Delta_f - e}{\Delta_f},
 
 Delta_f negative; all other columns, those of the FRI target among them, are as planned. So is the impact.
+
+The energy zeta is that of a momentum, and does not depend on the variable the step is described by. By one that takes
+the planned ranges, whatever e is, a ball of many e stays out of every slope (`over_ranges_of`).
 """
 
+from dataclasses import replace
 from itertools import pairwise
 
 from frontal_biped.zero_dynamics.proof.ball_gait import BallStep, half_step
 from frontal_biped.zero_dynamics.proof.balls import Ball, Number, arb
-from frontal_biped.zero_dynamics.proof.half_step import HalfStep, NotEnclosedError
+from frontal_biped.zero_dynamics.proof.half_step import Curve, HalfStep, NotEnclosedError
 
 LEAST_DEGREE = 3
 """Of the joints: below, columns at the two ends are the same."""
@@ -51,6 +55,20 @@ def stretched(step: BallStep, begin: Ball, end: Ball, e: Ball) -> BallStep:
         half_step(falling.chain, end, down, joints_f, list(falling.fri.columns)),
         step.speed_ratio,
     )
+
+
+def over_ranges_of(planned: BallStep, step: BallStep) -> BallStep:
+    """A step by variables that take the ranges of the halves of another one, in place of beta."""
+    return replace(
+        step,
+        rising=_over(planned.rising.span, step.rising),
+        falling=_over(planned.falling.span, step.falling),
+    )
+
+
+def _over(span: Number, half: HalfStep) -> HalfStep:
+    angles = tuple(Curve.of(list(angle.columns), span) for angle in half.angles)
+    return replace(half, span=span, angles=angles, fri=Curve.of(list(half.fri.columns), span))
 
 
 def joint_columns(half: HalfStep) -> list[list[Number]]:

@@ -21,7 +21,7 @@ from frontal_biped.zero_dynamics.proof.balls import arb, working
 from frontal_biped.zero_dynamics.proof.chain import BallChain
 from frontal_biped.zero_dynamics.proof.half_path import HalfPath
 from frontal_biped.zero_dynamics.proof.limits import BallOrbit
-from frontal_biped.zero_dynamics.proof.stretched_step import stretched
+from frontal_biped.zero_dynamics.proof.stretched_step import over_ranges_of, stretched
 from frontal_biped.zero_dynamics.proof.theorems import Proof, nearest_zero
 
 ROUNDING = 1e-7
@@ -134,7 +134,8 @@ def test_more_is_left_of_the_energy_the_farther_inwards(steps):
 
 @pytest.mark.parametrize("share", [0.05, 0.6])
 @pytest.mark.parametrize("y", [0.0, 0.37, 1.0])
-def test_a_stretched_step_is_the_one_the_law_takes(steps, share, y):
+@pytest.mark.parametrize("over_planned_ranges", [False, True])
+def test_a_stretched_step_is_the_one_the_law_takes(steps, share, y, over_planned_ranges):
     """Poses, slopes by the path's own variable, and FRI, of both phases."""
     e, law, gait = steps.stretch(share), steps.law, steps.gait
     rising = law.inner.planned_rising.stretched(gait.beta_reversal + e)
@@ -143,6 +144,7 @@ def test_a_stretched_step_is_the_one_the_law_takes(steps, share, y):
         balls = steps.orbit.gait
         for ball in (arb(e), arb(e).union(arb(0.9 * e))):
             step = stretched(steps.orbit.step, balls.begin, balls.end, ball)
+            step = over_ranges_of(steps.orbit.step, step) if over_planned_ranges else step
             for half, phase, far in (
                 (step.rising, rising, rising.beta_start),
                 (step.falling, falling, falling.beta_end),
