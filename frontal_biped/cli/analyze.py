@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--robustness",
         action="store_true",
-        help="add the robustness card: speeds that return and pushes survived; some twenty seconds of processor time",
+        help="add the robustness card: speeds that return and pushes survived; some ten seconds of processor time",
     )
     add_jobs(parser)
     parser.add_argument(
@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         const=Path(),
         help="prove in ball arithmetic how many reversals there are, that the gait is one and stable, keeps C01 to C09"
-        " on its whole orbit, and whence it is reached (extra proof; half a minute), and keep the certificate; default:"
+        " on its whole orbit, and whence it is reached (extra proof; 40 s), and keep the certificate; default:"
         " beside the gait, its name with .proof.json",
     )
     add_robot(parser)

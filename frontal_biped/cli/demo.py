@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--prove",
         action="store_true",
-        help="prove the gait in ball arithmetic as well (extra proof), half a minute; the page then has both verdicts",
+        help="prove the gait in ball arithmetic as well (extra proof), 40 s; the page then has both verdicts",
     )
     add_robot(parser, "frontal_biped")
     add_json(parser)

@@ -65,7 +65,7 @@ def make_demo(biped: FrontalBiped, folder: Path, on_progress: Say | None = None,
         biped: the robot.
         folder: to write ``gait.json``, ``run.npz``, ``report.json``, ``report.html`` and ``figures/`` to.
         on_progress: called with what is being done.
-        prove: prove the gait in ball arithmetic as well, and write ``gait.proof.json``? It takes half a minute.
+        prove: prove the gait in ball arithmetic as well, and write ``gait.proof.json``? It takes 40 s.
 
     Returns:
         The report.

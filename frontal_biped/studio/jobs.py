@@ -205,7 +205,7 @@ PROVABLE = find_spec("flint") is not None
 
 
 def prove(tell: Tell, name: str, gait: Gait) -> tuple[Row, ...]:
-    """What is proved of a gait beside what is measured of it; takes half a minute, and the extra `proof`."""
+    """What is proved of a gait beside what is measured of it; takes 40 s, and the extra `proof`."""
     from frontal_biped.analysis.proof import prove
     from frontal_biped.analysis.statements import in_brief, statements
 

@@ -1,34 +1,36 @@
 """What things cost, measured beside their peers in one run. No time is asserted; quote ratios, times are the machine's.
 
 **Designs**, `benchmark_design.py --quick` (extra ``bench``, ``OMP_NUM_THREADS=1``): CPU time of whole designs from the
-default start, as a ratio to `optimise_gait` in the same run, one thread, medians of four runs on a busy machine:
+default start, as a ratio to `optimise_gait` in the same run, one thread; medians of four runs with nothing beside them,
+of two in the last two rows:
 
                                                               reference    pelvis within 5 degrees
     optimise_gait: optimiser, dense check, simulated step       1            1
-    the same problem in CasADi with IPOPT, exact Hessian     17.8         16.3
-      of which IPOPT, its derivative graphs already built     3.8          2.6
-    optimiser alone                                           0.52         0.65
-    SciPy SLSQP, our exact gradients                          5.3          3.2
+    the same problem in CasADi with IPOPT, exact Hessian     18.9         16.6
+      of which IPOPT, its derivative graphs already built     3.5          2.5, from 1.8 to 3.2
+    optimiser alone                                           0.63         0.59
+    SciPy SLSQP, our exact gradients                          5.7          3.6
 
 All of these reach the optimum. Of SciPy trust-constr and IPOPT without second derivatives, 60 s each on our gradients,
 only the latter did, and on the second specification alone, when that was last tried. Beside the package of commit
-6097817, least of thirty in turn on a busy machine: a design takes 2.7 and 2.9 times less CPU time, an evaluation with
-all derivatives 2.1 to 2.3 times, a gait of a library (25 neighbours) 2.7 times: 87 ms where it took 238.
+6097817, in turn on a quiet machine, least of forty bursts: an evaluation with all derivatives takes 0.90 to 0.93 ms
+where it took 2.67 to 2.87. A design took 2.7 and 2.9 times less CPU time when that was 1.2 ms, a gait of a library (25
+neighbours) 2.7 times: 87 ms where it took 238.
 `benchmark_starts.py` says how often random starts and random specifications succeed.
 
-**Ticks**, `benchmark_control_tick.py`: one tick at 1 kHz on the Table I robot. Measured beside TSID 1.10 before the
-last changes: walking 0.76 of its tick, 10 mrad off with 92 % of ticks at a limit 1.8. Since then, in microseconds,
-least of bursts on 20 states, the trees before and after in turn on a busy machine, two runs:
+**Ticks**, `benchmark_control_tick.py`: one tick at 1 kHz on the Table I robot beside TSID 1.10, built from source, in
+one loop; medians over 4000 ticks, as a ratio to TSID's, which is C++ and solves another problem (free-floating, 22
+variables):
 
-                                                before      now     solver "compiled" (Numba)
-    walking, no limit active                      26        20, 21    19.5
-    10 mrad off, nearly all ticks at a limit      75, 77     63, 64   31, 33
-    with the control Lyapunov function            32, 34     27       -
+                                                default     solver "compiled" (Numba)
+    walking, no limit active                    0.53        0.59
+    1 mrad off                                  0.54        0.57
+    10 mrad off, 92 % of ticks at a limit       1.57        0.57
+    weak motors, 73 % of ticks at a limit       1.62        0.59
 
-so that walking would be 0.6 of TSID's tick, and only the compiled solver below it where limits bind; TSID was not built
-again. It solves another problem (free-floating, 22 variables) in C++. Of 4000 states up to a radian off the gait, the
-slowest tick (the least of 30, of each of the 40 slowest) took 9.4 and 9.7 walking ticks in two runs, 14 and 17 in two
-others on the same machine, busier.
+Of 4000 states up to a radian off the gait, the slowest tick (the least of 30, of each of the 40 slowest) took 9.4 and
+9.7 walking ticks in two runs, 14 and 17 in two others on the same machine, busier, before ticks took their last quarter
+less.
 
 **Looking ahead** (stabiliser ``adaptive``), `benchmark_look_ahead.py`, ms on a busy machine, 1000 speeds over the
 basin:
@@ -41,17 +43,19 @@ basin:
 
 Every answer is the computed one. Landings off the planned pose are answered as for the planned one.
 
-**Simulated time**, ms of CPU a simulated second, Table I robot, 8 steps, before and now side by side, two runs:
+**Simulated time**, `benchmark_simulation.py --against TREE`, ms of CPU a simulated second, Table I robot, 8 steps,
+before (6097817) and now in turn on a quiet machine:
 
-    continuous, rtol 1e-8, phases fixed         118,  89         33,  33
-    1 kHz, the controller told the state        167, 128         66,  67
-    1 kHz, the walker                           386, 284        159, 148
-    the walker in MuJoCo                        338, 301        193, 157
+    continuous, rtol 1e-8, phases fixed          90          30.5
+    1 kHz, the controller told the state        153          53.6
+    1 kHz, the walker                           293         129
+    the walker in MuJoCo                        294         153
 
-**What a user waits for**, `benchmark_waiting.py`, processor time of all processes, before and now in turn on a busy
-machine: a GIF of 16 s of continuous walking takes 13 s where it took 140 (fewer and smaller pictures are part of that;
-the steps of that walk take a whole number of pictures), the robustness card 21 s where it took 56, the demonstration
-20 s where it took 35. The card's parts in one process: 14.4 s where they took 43.2.
+**What a user waits for**, `benchmark_waiting.py` or the command itself, processor time of all processes, before and
+now in turn: a GIF of 16 s of continuous walking takes 13 s where it took 140 (fewer and smaller pictures are part of
+that; the steps of that walk take a whole number of pictures); on a quiet machine the robustness card takes 9.6 and 9.7
+s where it took 38.9 and 46.0, the demonstration 10.5 to 14.2 s where it took 25.2 to 29.9, 6.6 to 9.2 s by the clock
+where it took 14.7 to 25.0.
 
 **The studio**, `benchmark_studio.py`: from a slider to a new gait 0.19 s of processor time where it took 0.34, medians
 of 20 changes in turn on a busy machine; 0.7 s at most.
