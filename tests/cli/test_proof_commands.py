@@ -15,6 +15,7 @@ def folder(tmp_path_factory, reference_gait):
     return path
 
 
+@pytest.mark.slow
 def test_prove_and_verify(folder, capsys, monkeypatch):
     monkeypatch.setattr("frontal_biped.zero_dynamics.proof.ankle_basin.MOST_STRETCHES", 2)  # that is enough to be kept
     assert main(["analyze", str(folder / "own.gait.json"), "--prove"]) == 0

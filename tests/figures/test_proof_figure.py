@@ -2,11 +2,13 @@
 
 import re
 
+import pytest
 from figure_laws import assert_fit_for_a_column
 
 from frontal_biped.figures.proof import proved_zeros
 
 
+@pytest.mark.slow
 def test_every_proved_zero_is_drawn(biped, reference_certificate):
     certificate = reference_certificate
     figure = proved_zeros(biped, certificate)
