@@ -15,7 +15,7 @@ from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.zero_dynamics.half_steps import STRETCH, STRETCHES
 from frontal_biped.zero_dynamics.proof.ankle_steps import AnkleRule
-from frontal_biped.zero_dynamics.proof.choices import Choice
+from frontal_biped.zero_dynamics.proof.choice_intervals import Choice
 from frontal_biped.zero_dynamics.proof.limits import BallOrbit, Bound
 from frontal_biped.zero_dynamics.proof.perturbed_steps import PerturbedSteps, Rejoining, Reserve
 from frontal_biped.zero_dynamics.proof.reversals import Tapers

@@ -18,25 +18,20 @@ from functools import cached_property
 from typing import NamedTuple
 
 from frontal_biped.zero_dynamics.proof.ball_gait import BallStep
-from frontal_biped.zero_dynamics.proof.balls import Ball, Number, arb, coefficient, is_positive
+from frontal_biped.zero_dynamics.proof.balls import Ball, arb
 from frontal_biped.zero_dynamics.proof.half_orbit import (
     HEIGHT,
-    NOTHING,
     Panel,
     Rows,
     lifted,
-    panel_of,
     walk,
 )
 from frontal_biped.zero_dynamics.proof.half_path import (
     HalfPath,
     Path,
     Projected,
-    Shape,
     require_positive,
-    zero_dynamics_at,
 )
-from frontal_biped.zero_dynamics.proof.half_step import NotEnclosedError
 from frontal_biped.zero_dynamics.proof.limits import Cuts, ProvedLimit
 from frontal_biped.zero_dynamics.proof.perturbed_steps import (
     INNER,
@@ -46,19 +41,9 @@ from frontal_biped.zero_dynamics.proof.perturbed_steps import (
     PerturbedSteps,
 )
 from frontal_biped.zero_dynamics.proof.ranges import controls
+from frontal_biped.zero_dynamics.proof.shift_choice import Room, secants, side
+from frontal_biped.zero_dynamics.proof.shifted_way import Moved, Way, shifted
 from frontal_biped.zero_dynamics.proof.stretched_step import over_ranges_of, stretched
-
-PROBE = 1e-4
-"""Shift by which it is first seen what a shift does to the next speed [m]."""
-
-SECANTS = 5
-"""Steps of the secant rule towards the shift that brings the planned speed."""
-
-CLOSE = 0.1
-"""Share of what is not known anyway, to which the planned speed is met."""
-
-WIDENINGS = (1.1, 2.0, 4.0)
-"""By which the radius about that shift is multiplied in turn, until signs at its ends tell that it is inside."""
 
 
 class AnkleRule(NamedTuple):
@@ -75,124 +60,6 @@ class AnkleRule(NamedTuple):
     looks: int
     stretch: float
     stretches: int
-
-
-class Room(NamedTuple):
-    """Shifts that the sole allows; 0 always is [m].
-
-    Attributes:
-        low: the farthest outwards.
-        high: the farthest inwards.
-    """
-
-    low: Ball
-    high: Ball
-
-
-@dataclass(frozen=True)
-class Way:
-    """Half a step from the reversal on, its FRI target shifted.
-
-    Attributes:
-        panels: from the reversal to the end.
-        L: int of the rate over it.
-        energy: what the way takes, or gives back, of zeta at the reversal [kg^2 m^4/s^2].
-        I_P: at the end [kg m^2].
-    """
-
-    panels: tuple[Panel, ...]
-    L: Ball
-    energy: Ball
-    I_P: Ball
-
-    @classmethod
-    def of(cls, panels: Iterable[Panel], end: Projected, shift: Ball, motors: bool = True) -> "Way":
-        """The way along panels, whose end is known, with another FRI target.
-
-        Args:
-            panels: with the target as planned.
-            end: where the way ends, likewise.
-            shift: of the target [m]; a ball is all shifts between.
-            motors: are their torques asked for, too? The energy alone takes half the time.
-
-        Raises:
-            NotEnclosedError: I_P may vanish, or the drive not be negative.
-        """
-        found, at = [], NOTHING
-        for panel in panels:
-            middle, wide = (_shifted(place if motors else _alone(place), shift) for place in panel.path)
-            on_Z = zero_dynamics_at((middle, wide), panel.h)
-            moved, at = panel_of(panel, panel.low, panel.high, (middle, wide), on_Z, at)
-            if not all(is_positive(-coefficient(place.drive, 0)) for place in moved.on_Z):
-                raise NotEnclosedError("drive")
-            found.append(moved)
-        return cls(tuple(found), at.L, found[-1].span * at.W, _shifted(end, shift).I_P)
-
-    @property
-    def zeta(self) -> Ball:
-        """At its end [kg^2 m^4/s^2]."""
-        return self.L.exp() * self.energy
-
-    @property
-    def dbeta_squared(self) -> Ball:
-        """At its end [rad^2/s^2]."""
-        return 2 * self.zeta / (self.I_P * self.I_P)
-
-    def surplus(self, dbeta_squared: Ball) -> Ball:
-        """Energy at its end beyond what rising to the reversal takes [kg^2 m^4/s^2]."""
-        return self.I_P * self.I_P * dbeta_squared / 2 - self.zeta
-
-    def rows(self) -> Controls:
-        """What the limits of contact and motors bound along it, but for the height of the swing foot.
-
-        Raises:
-            NotEnclosedError: the ground may pull.
-        """
-        rows: Controls = {}
-        for panel in self.panels:
-            own = {FRI: panel.pose_rows()[FRI]} | panel.motion_rows(panel.dbeta_squared())
-            for name, taylor in own.items():
-                rows.setdefault(name, []).append(controls(taylor, panel.h))
-        return rows
-
-
-FRI = "FRI in the sole"
-"""Among the rows [m]."""
-
-LEAST_RADIUS = 1e-9
-"""Of what is not known about a shift [m]."""
-
-
-def _shifted(place: Projected, shift: Ball) -> Projected:
-    return place._replace(I_P=place.I_P - place.A[1] * shift, p_fri=place.p_fri + shift)
-
-
-def _alone(place: Projected) -> Projected:
-    """Without the motors: F_h, F_v and N_0 are all that the energy asks for."""
-    return place._replace(A=place.A[:3], B=place.B[:3], G=place.G[:3])
-
-
-@dataclass(frozen=True)
-class Moved(Path):
-    """A path whose FRI target is moved by a constant.
-
-    Attributes:
-        path: the path.
-        shift: of the target [m].
-    """
-
-    path: Path
-    shift: Ball
-
-    @classmethod
-    def of(cls, path: Path, shift: Ball) -> "Moved":
-        """A path with its target moved by so much [m]."""
-        return cls(path.chain, path.sole, path.span, path, shift)
-
-    def shape(self, y: Number) -> Shape:
-        """The virtual constraints at a share of the way."""
-        shape = self.path.shape(y)
-        return shape._replace(p_fri=shape.p_fri + self.shift)
 
 
 class Fallen(NamedTuple):
@@ -320,7 +187,7 @@ class AnkleSteps:
 
     def _unshifted(self, path: Moved) -> Way:
         # it begins as planned
-        return Way.of(_panels(path, self._cuts.rising), _shifted(self._landed, path.shift), arb(0))
+        return Way.of(_panels(path, self._cuts.rising), shifted(self._landed, path.shift), arb(0))
 
     # ------------------------------------------------------------------ the law
     def order(self, dbeta_squared: Ball) -> None:
@@ -348,9 +215,9 @@ class AnkleSteps:
         at = path.at(arb(0))
         leaning = at.G[2] / at.G[1] - at.p_fri
         room = self._room(looks, leaning - arb(self.rule.margin))
-        near, radius = _secants(next_, float(room.low.lower()), float(room.high.upper()))
-        first, low = _side(next_, near, -radius, room.low)
-        last, high = _side(next_, near, radius, room.high)
+        near, radius = secants(next_, float(room.low.lower()), float(room.high.upper()))
+        first, low = side(next_, near, -radius, room.low)
+        last, high = side(next_, near, radius, room.high)
         # the next speed is the planned one where the signs at both ends say so
         return Fallen(first.union(last), min(low, arb(1)), max(high, arb(1)))
 
@@ -398,47 +265,6 @@ class AnkleSteps:
         return {HEIGHT: self.steps.orbit.rising.rows[HEIGHT]}
 
 
-def _secants(next_: Callable[[Ball], Ball], low: float, high: float) -> tuple[float, float]:
-    """About where the next speed is the planned one, within two shifts, and within what radius [m]."""
-    at, known = 0.0, next_(arb(0))
-    before, value = (PROBE if high > PROBE else -PROBE), float(known.mid()) - 1.0
-    slope = (float(next_(arb(before)).mid()) - 1.0 - value) / (before - at)
-    for _ in range(SECANTS):
-        last, last_value = at, value
-        if slope == 0.0:
-            raise NotEnclosedError("what a shift does")
-        at = min(max(at - value / slope, low), high)
-        if abs(at - last) < LEAST_RADIUS:
-            break
-        known = next_(arb(at))
-        value = float(known.mid()) - 1.0
-        slope = (value - last_value) / (at - last)
-        if abs(value) < CLOSE * float(known.rad()):
-            break
-    return at, (float(known.rad()) + abs(value)) / abs(slope) + LEAST_RADIUS
-
-
-def _side(next_: Callable[[Ball], Ball], near: float, radius: float, end: Ball) -> tuple[Ball, Ball]:
-    """An end of all shifts that may be chosen, and the square of the next speed beyond the planned one there.
-
-    Args:
-        next_: that square by the shift: the farther inwards, the slower.
-        near: about where it is the planned one [m].
-        radius: of what is not known about that, negative on the side outwards [m].
-        end: of the room on that side.
-    """
-    for widening in WIDENINGS:
-        at = arb(near + widening * radius)
-        if not (at > end if radius < 0.0 else at < end):
-            break
-        if next_(at) > 1 if radius < 0.0 else next_(at) < 1:
-            return at, arb(1)
-    found = next_(end)
-    if radius < 0.0:
-        return end.lower(), found.lower()
-    return end.upper(), found.upper()
-
-
 def _require_inertia(panels: Iterable[Panel], room: Room) -> None:
     """See that I_P is positive along a way with every shift that there is room for.
 
@@ -448,7 +274,7 @@ def _require_inertia(panels: Iterable[Panel], room: Room) -> None:
     # it is affine in the shift
     for panel in panels:
         for end in room:
-            require_positive(_shifted(panel.path[1], end).I_P, "I_P with the target at an end of the sole")
+            require_positive(shifted(panel.path[1], end).I_P, "I_P with the target at an end of the sole")
 
 
 def _greatest(balls: Iterable[Ball]) -> Ball:

@@ -16,7 +16,8 @@ from frontal_biped.zero_dynamics.proof.attraction import Attraction, Tiles, attr
 from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.basin import BasinTiles, ProvedBasin, no_basin, prove_basin
 from frontal_biped.zero_dynamics.proof.chain import BallChain
-from frontal_biped.zero_dynamics.proof.choices import Choice, ChoiceTiles, ProvedChoices, no_choices, prove_choices
+from frontal_biped.zero_dynamics.proof.choice_intervals import Choice
+from frontal_biped.zero_dynamics.proof.choices import ChoiceTiles, ProvedChoices, no_choices, prove_choices
 from frontal_biped.zero_dynamics.proof.imposed_zeros import ImposedZeros, Interval, Partition, imposed_zeros
 from frontal_biped.zero_dynamics.proof.limits import BallOrbit, Bound, Cuts, ProvedLimits, prove_limits, without_panels
 from frontal_biped.zero_dynamics.proof.perturbed_steps import PerturbedSteps

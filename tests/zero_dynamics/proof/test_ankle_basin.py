@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from gaits_in_balls import ROUNDING, agree, orbit_in_balls
 
 from frontal_biped.analysis.proof_inputs import ANKLE_RULE, perturbed_steps
 from frontal_biped.analysis.return_map import RestrictedMap
@@ -12,20 +13,14 @@ from frontal_biped.control.stabilisers.by_name import make_stabiliser
 from frontal_biped.gait.file import load_gait
 from frontal_biped.gait.shipped import gait_path
 from frontal_biped.model.catalogue import biped_of
-from frontal_biped.virtual_constraints.invariance import free_parameters
 from frontal_biped.zero_dynamics.half_steps import stretch_to_reversal
 from frontal_biped.zero_dynamics.proof.ankle_basin import AnkleTiles, prove_ankle_basin
-from frontal_biped.zero_dynamics.proof.ankle_steps import AnkleSteps, Moved
-from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
+from frontal_biped.zero_dynamics.proof.ankle_steps import AnkleSteps
 from frontal_biped.zero_dynamics.proof.balls import arb, working
-from frontal_biped.zero_dynamics.proof.chain import BallChain
 from frontal_biped.zero_dynamics.proof.half_path import HalfPath
-from frontal_biped.zero_dynamics.proof.limits import BallOrbit
+from frontal_biped.zero_dynamics.proof.shifted_way import Moved
 from frontal_biped.zero_dynamics.proof.stretched_step import over_ranges_of, stretched
-from frontal_biped.zero_dynamics.proof.theorems import Proof, nearest_zero
-
-ROUNDING = 1e-7
-"""Of curves from columns as the file rounded them, relative to one more than their size."""
+from frontal_biped.zero_dynamics.proof.theorems import Proof
 
 SPEED = 1e-8
 """Of a speed that the measured map finds, relative: the shift is found to 1e-9 m."""
@@ -45,8 +40,7 @@ class Steps:
         self.law = make_stabiliser("ankle", biped, gait)
         self.measured = RestrictedMap(biped, gait, self.law)
         with working():
-            balls = BallGait.of(BallChain.of(biped.chain), free_parameters(gait.rising, gait.falling, gait.step_width))
-            self.orbit = BallOrbit.of(balls, nearest_zero(balls).reversal, biped.sole)
+            self.orbit = orbit_in_balls(biped, gait)
             self.steps = AnkleSteps(perturbed_steps(biped, gait, self.orbit), ANKLE_RULE)
 
     def stretch(self, share):
@@ -153,15 +147,7 @@ def test_a_stretched_step_is_the_one_the_law_takes(steps, share, y, over_planned
                 shape = path.shape(arb(y))
                 motion = phase.motion(np.array([rising.beta_end + y * (far - rising.beta_end)]))
                 faster = abs(rising.beta_end - far) / float(path.span.mid())
-                pairs = [
-                    *zip(shape.q, motion.q[0], strict=True),
-                    *zip(shape.slopes, motion.dq[0] * faster, strict=True),
-                    *zip(shape.bends, motion.ddq[0] * faster**2, strict=True),
-                    (shape.p_fri, motion.p_fri[0]),
-                    (shape.dp_fri, motion.dp_fri[0] * faster),
-                ]
-                for found, number in pairs:
-                    assert found.overlaps(arb(number, ROUNDING * (1.0 + abs(number))))
+                agree(shape, motion, faster)
 
 
 @pytest.mark.parametrize("share", [0.004, 0.3])

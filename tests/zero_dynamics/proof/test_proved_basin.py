@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from gaits_in_balls import agree, orbit_in_balls
 
 from frontal_biped.analysis.proof_inputs import perturbed_steps
 from frontal_biped.analysis.return_map import RestrictedMap
@@ -13,18 +14,12 @@ from frontal_biped.control.stabilisers.transitions import REJOINS
 from frontal_biped.gait.constraints import HEIGHT, IMPULSE, SPEED
 from frontal_biped.gait.look_ahead_table import Way
 from frontal_biped.virtual_constraints.anchoring import anchored_falling
-from frontal_biped.virtual_constraints.invariance import free_parameters
 from frontal_biped.zero_dynamics.half_steps import falling_energy, rising_energy
-from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.balls import arb, working
 from frontal_biped.zero_dynamics.proof.basin import BasinTiles, no_basin, prove_basin
-from frontal_biped.zero_dynamics.proof.chain import BallChain
-from frontal_biped.zero_dynamics.proof.limits import BallOrbit, Bound
+from frontal_biped.zero_dynamics.proof.limits import Bound
 from frontal_biped.zero_dynamics.proof.reversals import EarlyPath, LatePath, Mismatch
-from frontal_biped.zero_dynamics.proof.theorems import Proof, nearest_zero
-
-ROUNDING = 1e-7
-"""Of curves from columns as the file rounded them, relative to one more than their size."""
+from frontal_biped.zero_dynamics.proof.theorems import Proof
 
 MAP = 1e-6
 """Of a speed that the measured map finds, relative."""
@@ -43,8 +38,7 @@ class Steps:
         self.stabiliser = make_stabiliser("re-anchored", biped, gait)
         self.measured = RestrictedMap(biped, gait, self.stabiliser)
         with working():
-            balls = BallGait.of(BallChain.of(biped.chain), free_parameters(gait.rising, gait.falling, gait.step_width))
-            orbit = BallOrbit.of(balls, nearest_zero(balls).reversal, biped.sole)
+            orbit = orbit_in_balls(biped, gait)
             self.steps = perturbed_steps(biped, gait, orbit)
 
     def proved(self, *given, **changes):
@@ -136,19 +130,6 @@ def test_where_the_speed_goes_away(biped, level_gait):
     with working():
         q = steps.steps.early(d, d).q
         assert q * steps.steps.orbit.multiplier > 1
-
-
-def agree(ball_shape, motion):
-    """A shape in balls and a measured motion at one point."""
-    pairs = [
-        *zip(ball_shape.q, motion.q[0], strict=True),
-        *zip(ball_shape.slopes, motion.dq[0], strict=True),
-        *zip(ball_shape.bends, motion.ddq[0], strict=True),
-        (ball_shape.p_fri, motion.p_fri[0]),
-        (ball_shape.dp_fri, motion.dp_fri[0]),
-    ]
-    for ball, number in pairs:
-        assert ball.overlaps(arb(number, ROUNDING * (1.0 + abs(number))))
 
 
 def absolute_angles_agree(shape):

@@ -4,28 +4,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from gaits_in_balls import agree, orbit_in_balls
 
 from frontal_biped.analysis.proof_inputs import choices, perturbed_steps
 from frontal_biped.analysis.return_map import RestrictedMap
 from frontal_biped.control.stabilisers.look_ahead import LookAheadTransitions
 from frontal_biped.control.stabilisers.tabulation import tabulated
 from frontal_biped.gait.look_ahead_table import Descent, Way
-from frontal_biped.virtual_constraints.invariance import free_parameters
-from frontal_biped.zero_dynamics.proof.ball_gait import BallGait
 from frontal_biped.zero_dynamics.proof.balls import arb, working
 from frontal_biped.zero_dynamics.proof.basin import BasinTiles, no_basin, prove_basin
-from frontal_biped.zero_dynamics.proof.chain import BallChain
 from frontal_biped.zero_dynamics.proof.choices import ChoiceTiles, prove_choices
 from frontal_biped.zero_dynamics.proof.families import Family
 from frontal_biped.zero_dynamics.proof.half_path import HalfPath
-from frontal_biped.zero_dynamics.proof.limits import BallOrbit
 from frontal_biped.zero_dynamics.proof.reversals import Tapers
 from frontal_biped.zero_dynamics.proof.stretched_paths import LowerPart, RescaledPath
 from frontal_biped.zero_dynamics.proof.stretched_step import stretched
-from frontal_biped.zero_dynamics.proof.theorems import Proof, nearest_zero
-
-ROUNDING = 1e-7
-"""Of curves from columns as the file rounded them, relative to one more than their size."""
+from frontal_biped.zero_dynamics.proof.theorems import Proof
 
 MAP = 1e-6
 """Of a speed that the measured map finds, relative."""
@@ -40,8 +34,7 @@ class Answers:
     def __init__(self, biped, gait, fastest=3.0, slowest=0.3, rests_on=None):
         self.biped, self.gait = biped, tabulated(biped, gait, slowest=slowest, fastest=fastest)
         with working():
-            balls = BallGait.of(BallChain.of(biped.chain), free_parameters(gait.rising, gait.falling, gait.step_width))
-            self.orbit = BallOrbit.of(balls, nearest_zero(balls).reversal, biped.sole)
+            self.orbit = orbit_in_balls(biped, gait)
             self.steps = perturbed_steps(biped, gait, self.orbit)
             self.basin = prove_basin(self.steps, rests_on)
         self.choices = choices(biped, self.gait)
@@ -138,19 +131,6 @@ def test_nearly_all_that_is_measured_is_proved(which, biped, request):
 
 
 # ---------------------------------------------------------------------- paths
-def agree(ball_shape, motion):
-    """A shape in balls and a measured motion at one point."""
-    pairs = [
-        *zip(ball_shape.q, motion.q[0], strict=True),
-        *zip(ball_shape.slopes, motion.dq[0], strict=True),
-        *zip(ball_shape.bends, motion.ddq[0], strict=True),
-        (ball_shape.p_fri, motion.p_fri[0]),
-        (ball_shape.dp_fri, motion.dp_fri[0]),
-    ]
-    for ball, number in pairs:
-        assert ball.overlaps(arb(number, ROUNDING * (1.0 + abs(number))))
-
-
 @pytest.mark.parametrize("stretch", [0.0, 0.25, 1.0])
 @pytest.mark.parametrize("y", [0.0, 0.37, 1.0])
 def test_paths_are_those_that_looking_ahead_answers(answers, stretch, y):
