@@ -6,6 +6,9 @@ Every state is given to each contender in turn, so that one run compares them un
 of the thread, which a busy machine inflates but does not interrupt. "bare ProxQP" is update() and solve() of the
 walking program alone, kept warm from tick to tick, without a line of the package around it.
 
+Last, the slowest ticks of the states that are anywhere, over a walking tick. A single time may be an interruption's:
+each of the `SLOWEST` is asked for again, `REPEATS` times, and its least time counts; walking ticks likewise.
+
 Numba is optional: with it solver "compiled" is measured too, in the same loop.
 
 TSID 1.10.0 is optional. Its wheels corrupt the heap beside Pinocchio 4; built from source it works:
@@ -35,6 +38,7 @@ from frontal_biped.virtual_constraints import StepPhase
 
 PERIOD = 1e-3  # [s]
 FREQUENCY = 100.0  # [rad/s] of the error dynamics, what 1 kHz takes by default
+SLOWEST, REPEATS = 40, 30
 
 
 def main() -> None:
@@ -60,6 +64,7 @@ def main() -> None:
     gc.disable()
     for name, (states, chosen) in cases.items():
         report(name, compare(robot, gait, states, chosen))
+    report_slowest(robot, gait, cases["walking"], cases["anywhere"])
     gc.enable()
 
 
@@ -257,6 +262,27 @@ def report(name: str, compared) -> None:
     always = peers["tick, ProxQP every time"]
     share = np.percentile(always.times, [50, 99]) / np.percentile(bare.times, [50, 99])
     print(f"  {'ProxQP every time / bare':24} p50 {share[0]:.2f}, p99 {share[1]:.2f}")
+
+
+def report_slowest(robot: FrontalBiped, gait: Gait, walking, anywhere) -> None:
+    """The slowest tick of states that may be anywhere, over the median tick of a walk."""
+    print(f"\nslowest of {len(anywhere[0])} ticks anywhere over a walking tick, least of {REPEATS}:")
+    for solver in ("exact", "compiled") if find_spec("numba") else ("exact",):
+        usual, unusual = (
+            QpController(robot, gait, replace(settings, solver=solver)) for _, settings in (walking, anywhere)
+        )
+        tick = np.median([least_time(usual, asked) for asked in walking[0][:: len(walking[0]) // SLOWEST]])
+        once = [least_time(unusual, asked, 1) for asked in anywhere[0]]
+        slowest = max(least_time(unusual, anywhere[0][i]) for i in np.argsort(once)[-SLOWEST:])
+        print(f"  {solver:24} {slowest:5.0f} / {tick:5.0f} = {slowest / tick:.1f}")
+
+
+def least_time(controller: QpController, asked: Asked, repeats: int = REPEATS) -> float:
+    """The least time of a state [us]."""
+    tick = Contender(controller.command)
+    for _ in range(repeats):
+        tick(*asked)
+    return min(tick.times)
 
 
 if __name__ == "__main__":
