@@ -12,6 +12,7 @@ from frontal_biped.model.perturbation import ModelErrors, Plant
 from frontal_biped.model.stance_map import Stance, relabel
 from frontal_biped.model.state import State
 from frontal_biped.simulation.engine import AT_ONCE, Move, first_foothold
+from frontal_biped.simulation.guard_watch import GuardWatch, reaches
 from frontal_biped.simulation.hybrid_system import EventKind, Guards, land, walking_guards
 from frontal_biped.simulation.pushes import PushForces
 from frontal_biped.simulation.settings import SimulationSettings
@@ -52,6 +53,7 @@ class RigidEngine:
         self.biped, self.settings = biped, settings
         self.plant = Plant.of(biped, errors)
         self._motion = {side: StanceMotion(self.plant.on(side), side) for side in Stance}
+        self._reach = {side: reaches(self.plant.on(side).chain) for side in Stance}
         self._ground = dict.fromkeys(Stance, 0.0)
         self._next_ground = dict.fromkeys(Stance, 0.0)
         self._holds = settings.disturbances.friction is None and not settings.disturbances.rolls
@@ -70,6 +72,7 @@ class RigidEngine:
         twin._motion = {side: motion.copy() for side, motion in self._motion.items()}
         twin.motion = twin._motion[self.stance]
         twin._ground, twin._next_ground = {**self._ground}, {**self._next_ground}
+        twin._watch = copy(self._watch)
         return twin
 
     @property
@@ -122,11 +125,11 @@ class RigidEngine:
         here, swing = self._ground[self.stance], self.stance.other
         guards = walking_guards(self.plant.on(self.stance), self._ground[swing] - here, self._next_ground[swing] - here)
         self._guards = guards.rising if self.phase is StepPhase.RISING else guards.falling
-        self._values = self._guards.values(*self.state)
+        self._watch = GuardWatch(self._guards, self._reach[self.stance], self.state)
 
     def advance(self, t: float, end: float, tau: FloatArray, pushes: PushForces) -> Move:
         """Under held joint torques (4,) [N m] from t to ``end`` [s], or to the first event."""
-        motion, pushed, guards = self.motion, pushes.any, self._guards
+        motion, pushed, watch = self.motion, pushes.any, self._watch
         motion.u = self.biped.stance_map.torques_to_stance(tau, self.stance)
         steps: list[tuple[float, float, State]] = []
         while end - t > AT_ONCE:
@@ -137,9 +140,10 @@ class RigidEngine:
                 return Move(t, steps, gave_way, gave_way)
             h = min(end - t, MAX_STEP)
             after = motion.advance(self.state, h)
-            values = guards.values(*after)
-            if min(values) <= 0.0:
-                hit = motion.first_crossing(self.state, h, guards, self._values, values)
+            values = watch.look(after)
+            if values is not None:
+                guards = self._guards
+                hit = motion.first_crossing(self.state, h, guards, guards.values(*self.state), values)
                 if hit is not None:
                     h, kind = hit
                     t += h
@@ -147,7 +151,7 @@ class RigidEngine:
                     steps.append((h, t, self.state))
                     return Move(t, steps, kind, self.cross(kind))
             t = end if h == end - t else t + h
-            self.state, self._values = after, values
+            self.state = after
             steps.append((h, t, after))
         return Move(t, steps)
 
