@@ -8,7 +8,7 @@ therefore at most
 .. math:: \sum_i r_i\, |q_i - q_i^0|
 
 far, and a guard at most `SHARE` times as far: one that was farther from zero than that is still positive. The bound is
-exact, so that where it tells of no event a look would not have found one either. It costs a fifth of a look.
+exact, so that where it tells of no event a look would not have found one either. It costs a sixth of a look.
 """
 
 import math

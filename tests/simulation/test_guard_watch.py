@@ -13,7 +13,7 @@ from frontal_biped.simulation.hybrid_system import walking_guards
 angles = st.lists(st.floats(-3.2, 3.2), min_size=4, max_size=4).map(np.array)
 small = st.lists(st.floats(-0.2, 0.2), min_size=4, max_size=4).map(np.array)
 LIFTED = UPRIGHT + np.array([0.0, 0.0, 0.1, 0.0])
-"""Both legs upright, the swing foot turned outwards and up [rad]."""
+"""Upright but for the swing leg, which is off the ground [rad]."""
 
 phases = st.sampled_from(("rising", "falling"))
 
