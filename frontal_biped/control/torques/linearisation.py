@@ -187,6 +187,7 @@ class StanceModel:
 
     def at(self, state: State) -> StanceDynamics:
         """The dynamics at a state."""
+        model, data, q = self._model, self._data, self._q
         self._joints[:], self._rates[:] = state
-        M = pin.crba(self._model, self._data, self._q)
-        return StanceDynamics(state, M, pin.nonLinearEffects(self._model, self._data, self._q, self._dq))
+        M = pin.crba(model, data, q)
+        return StanceDynamics(state, M, pin.nonLinearEffects(model, data, q, self._dq))
