@@ -192,7 +192,12 @@ class FrontalBiped(ShownAsPage):
     @cached_property
     def many(self) -> ManyStates:
         """The same dynamics at many states in one call."""
-        return ManyStates(self.pinned, self.chain.planar_base_model())
+        return ManyStates(self.pinned, self.planar_base)
+
+    @cached_property
+    def planar_base(self) -> pin.Model:
+        """The floating model with its foot on one joint (`FrontalChain.planar_base_model`): cheaper where it rests."""
+        return self.chain.planar_base_model()
 
     def D(self, q: FloatArray) -> FloatArray:
         """(4, 4) mass matrix [kg m^2]."""

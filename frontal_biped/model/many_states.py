@@ -27,16 +27,24 @@ class ManyStates:
         return _rows(pin.abaInParallel, self._pinned, q, dq, u)
 
     def inverse_dynamics(self, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> FloatArray:
-        """(m, 7) F_h, F_v [N], N_0 [N m], u_1..u_4 [N m] of motions with the stance foot at rest, as for one state."""
+        """(..., m, 7) F_h, F_v [N], N_0, u_1..u_4 [N m] of motions with the stance foot at rest, as for one state.
+
+        Args:
+            q: (m, 4) [rad].
+            dq: (m, 4) [rad/s].
+            ddq: (m, 4) accelerations, or (k, m, 4) several at each of the states [rad/s^2].
+        """
         states = zip((self._foot, self._still, self._still), (q, dq, ddq), strict=True)
-        return _rows(pin.rneaInParallel, self._on_foot, *(_behind(foot, joints) for foot, joints in states))
+        forces = _rows(pin.rneaInParallel, self._on_foot, *(_behind(foot, at, ddq.shape) for foot, at in states))
+        return forces.reshape(*ddq.shape[:-1], -1)
 
 
-def _behind(foot: FloatArray, joints: FloatArray) -> FloatArray:
-    """(m, b + 4) the same (b,) before every row of (m, 4)."""
-    rows = np.empty((len(joints), len(foot) + joints.shape[1]))
-    rows[:, : len(foot)], rows[:, len(foot) :] = foot, joints
-    return rows
+def _behind(foot: FloatArray, joints: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+    """(m, b + 4) the same (b,) before every row of (..., m, 4), which is repeated to a shape (.., 4) first."""
+    b = len(foot)
+    rows = np.empty((*shape[:-1], b + shape[-1]))
+    rows[..., :b], rows[..., b:] = foot, joints
+    return rows.reshape(-1, b + shape[-1])
 
 
 def _rows(function: object, pool: pin.ModelPool, *arrays: FloatArray) -> FloatArray:

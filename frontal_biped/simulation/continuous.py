@@ -155,27 +155,24 @@ def _first_event(stretch: Stretch, guards: Guards, before: tuple[float, ...]) ->
     for i in range(LOOKS, len(stretch.q), LOOKS):
         q, dq, right = stretch.q[i], stretch.dq[i], stretch.times.item(i)
         values = guards.values(q, dq)
-        crossed = [
-            (_located(stretch, guard, left, right), guard.kind)
-            for guard, a, b in zip(guards, before, values, strict=True)
-            if a >= 0.0 >= b
-        ]
-        if crossed:
-            t, kind = min(crossed, key=lambda item: item[0])
-            return Ended(t, _state_at(stretch, t), kind), values
+        if min(values) <= 0.0:
+            crossed = [
+                (_located(stretch, guard, left, right), guard.kind)
+                for guard, a, b in zip(guards, before, values, strict=True)
+                if a >= 0.0 >= b
+            ]
+            if crossed:
+                t, kind = min(crossed, key=lambda item: item[0])
+                return Ended(t, _halves(stretch.at_one(t)), kind), values
         left, before = right, values
     return None, before
 
 
 def _located(stretch: Stretch, guard: Guard, left: float, right: float) -> float:
     def value(t: float) -> float:
-        return guard.function(*_state_at(stretch, t))
+        return guard.function(*_halves(stretch.at_one(t)))
 
     return float(brentq(value, left, right, xtol=ROUNDING, rtol=ROUNDING))
-
-
-def _state_at(stretch: Stretch, t: float) -> State:
-    return _halves(stretch.at(np.array([t]))[0])
 
 
 def _halves(x: FloatArray) -> State:

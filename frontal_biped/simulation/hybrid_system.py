@@ -62,10 +62,14 @@ class Guards:
     Attributes:
         kinds: of their events.
         values: of all of them at q (4,), dq (4,).
+        turn: which of them tells of a turn of the stance ankle: its value is the ankle's rate times ``sense``.
+        sense: of that rate in this phase, +1 or -1. The other guards are functions of q alone.
     """
 
     kinds: tuple[EventKind, ...]
     values: Callable[[FloatArray, FloatArray], tuple[float, ...]]
+    turn: int
+    sense: float
 
     def __iter__(self) -> Iterator[Guard]:
         """One after another."""
@@ -107,8 +111,8 @@ def walking_guards(biped: FrontalBiped, leaving: float = 0.0, landing: float = 0
 
     fallen = (EventKind.TIPPED_OUTWARDS, EventKind.COLLAPSED)
     return WalkingGuards(
-        Guards((EventKind.REVERSAL, EventKind.EARLY_LANDING, *fallen), rising),
-        Guards((EventKind.IMPACT, EventKind.TURNED_OUTWARDS, *fallen), falling),
+        Guards((EventKind.REVERSAL, EventKind.EARLY_LANDING, *fallen), rising, 0, +1.0),
+        Guards((EventKind.IMPACT, EventKind.TURNED_OUTWARDS, *fallen), falling, 1, -1.0),
     )
 
 

@@ -2,8 +2,6 @@
 
 from copy import copy
 
-import numpy as np
-
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.interface import Reading
 from frontal_biped.model.biped import FrontalBiped
@@ -12,6 +10,7 @@ from frontal_biped.model.perturbation import ModelErrors, Plant
 from frontal_biped.model.stance_map import Stance, relabel
 from frontal_biped.model.state import State
 from frontal_biped.simulation.engine import AT_ONCE, Move, first_foothold
+from frontal_biped.simulation.guard_watch import GuardWatch, reaches
 from frontal_biped.simulation.hybrid_system import EventKind, Guards, land, walking_guards
 from frontal_biped.simulation.pushes import PushForces
 from frontal_biped.simulation.settings import SimulationSettings
@@ -52,9 +51,14 @@ class RigidEngine:
         self.biped, self.settings = biped, settings
         self.plant = Plant.of(biped, errors)
         self._motion = {side: StanceMotion(self.plant.on(side), side) for side in Stance}
+        self._reach = {side: reaches(self.plant.on(side).chain) for side in Stance}
         self._ground = dict.fromkeys(Stance, 0.0)
         self._next_ground = dict.fromkeys(Stance, 0.0)
-        self._holds = settings.disturbances.friction is None and not settings.disturbances.rolls
+        self._friction = settings.disturbances.friction or float("inf")
+        self._may_roll = settings.disturbances.rolls
+        self._holds = settings.disturbances.friction is None and not self._may_roll
+        outer, inner = biped.sole
+        self._sole = (1.0 + BEYOND_SOLE) * outer, (1.0 + BEYOND_SOLE) * inner  # how far the FRI may come [m]
 
     def place(self, stance: Stance, state: State) -> None:
         """Stand on a foot right after an impact; the feet are level about y = 0, as in a walk on the spot."""
@@ -70,6 +74,7 @@ class RigidEngine:
         twin._motion = {side: motion.copy() for side, motion in self._motion.items()}
         twin.motion = twin._motion[self.stance]
         twin._ground, twin._next_ground = {**self._ground}, {**self._next_ground}
+        twin._watch = copy(self._watch)
         return twin
 
     @property
@@ -122,24 +127,28 @@ class RigidEngine:
         here, swing = self._ground[self.stance], self.stance.other
         guards = walking_guards(self.plant.on(self.stance), self._ground[swing] - here, self._next_ground[swing] - here)
         self._guards = guards.rising if self.phase is StepPhase.RISING else guards.falling
-        self._values = self._guards.values(*self.state)
+        self._watch = GuardWatch(self._guards, self._reach[self.stance], self.state)
 
     def advance(self, t: float, end: float, tau: FloatArray, pushes: PushForces) -> Move:
         """Under held joint torques (4,) [N m] from t to ``end`` [s], or to the first event."""
-        motion, pushed, guards = self.motion, pushes.any, self._guards
+        motion, pushed, watch = self.motion, pushes.any, self._watch
         motion.u = self.biped.stance_map.torques_to_stance(tau, self.stance)
         steps: list[tuple[float, float, State]] = []
         while end - t > AT_ONCE:
             if pushed:
                 motion.feel(pushes, t)
-            gave_way = None if self._holds else self._gives_way()
-            if gave_way is not None:
-                return Move(t, steps, gave_way, gave_way)
+            ddq = None
+            if not self._holds:
+                ddq = motion.acceleration(self.state)
+                gave_way = self._gives_way(motion.reaction(self.state, ddq))
+                if gave_way is not None:
+                    return Move(t, steps, gave_way, gave_way)
             h = min(end - t, MAX_STEP)
-            after = motion.advance(self.state, h)
-            values = guards.values(*after)
-            if min(values) <= 0.0:
-                hit = motion.first_crossing(self.state, h, guards, self._values, values)
+            after = motion.advance(self.state, h, ddq)
+            values = watch.look(after)
+            if values is not None:
+                guards = self._guards
+                hit = motion.first_crossing(self.state, h, guards, guards.values(*self.state), values)
                 if hit is not None:
                     h, kind = hit
                     t += h
@@ -147,23 +156,20 @@ class RigidEngine:
                     steps.append((h, t, self.state))
                     return Move(t, steps, kind, self.cross(kind))
             t = end if h == end - t else t + h
-            self.state, self._values = after, values
+            self.state = after
             steps.append((h, t, after))
         return Move(t, steps)
 
-    def _gives_way(self) -> EventKind | None:
+    def _gives_way(self, reaction: Reaction) -> EventKind | None:
         """How the ground fails to hold the stance foot, where the settings say that it can."""
-        friction = self.settings.disturbances.friction
-        reaction = self.motion.reaction(self.state)
-        if reaction.friction_used > (friction or np.inf):
+        if reaction.friction_used > self._friction:
             return EventKind.SLIPPED
         return EventKind.ROLLED if self._rolls(reaction.F_v, reaction.p_fri) else None
 
     def _rolls(self, upwards: float, place: float) -> bool:
         """Does a foot roll over its edge? By what the ground does: upwards [N, N s], and where along h [m]."""
-        outer, inner = self.biped.sole
-        inside = upwards > 0.0 and max(place / outer, place / inner) <= 1.0 + BEYOND_SOLE
-        return self.settings.disturbances.rolls and not inside
+        outer, inner = self._sole
+        return self._may_roll and not (upwards > 0.0 and outer <= place <= inner)
 
     def cross(self, kind: EventKind) -> EventKind | None:
         """Pass an event at the present state; how the robot fell, if it did."""
@@ -184,7 +190,7 @@ class RigidEngine:
         landing = land(self.plant.on(self.stance), *self.state, self.settings.flat_landing)
         if landing is None:
             return EventKind.EDGE_LANDING
-        if landing.friction_used > (self.settings.disturbances.friction or np.inf):
+        if landing.friction_used > self._friction:
             return EventKind.SLIPPED
         if self._rolls(float(landing.impulse[1]), -landing.center_of_pressure):  # the new h points the other way
             return EventKind.ROLLED

@@ -8,7 +8,7 @@ import pinocchio as pin
 from scipy.optimize import brentq
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.model.biped import BASE, FrontalBiped
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
 from frontal_biped.simulation.hybrid_system import EventKind, Guards
@@ -98,6 +98,11 @@ class StanceMotion:
         self._known, self._stage = np.zeros((6, joints)), np.zeros((2, joints))  # of a step: see `RungeKutta`
         self._first, self._two, self._three = (self._known[:count] for count in (3, 4, 5))
         self._at, self._rates = self._stage
+        # and of the ground reaction: the foot at rest on its planar joint, then the joints
+        self._standing, foot = biped.planar_base, biped.planar_base.nv - joints
+        self._standing_data, self._pose = self._standing.createData(), pin.neutral(self._standing)
+        self._motion = np.zeros((2, foot + joints))
+        self._joints, self._changes = self._pose[-joints:], self._motion[:, foot:]
 
     def copy(self) -> "StanceMotion":
         """The same motion under torques of its own."""
@@ -116,15 +121,20 @@ class StanceMotion:
             u = u + self._pelvis.torques(q, force, height)
         return u
 
-    def reaction(self, state: State) -> Reaction:
-        """Ground reaction; it carries what the pushes do not."""
+    def acceleration(self, state: State) -> FloatArray:
+        """(4,) ddq [rad/s^2] at a state."""
         q, dq = state
-        ddq = self.biped.forward_dynamics(q, dq, self.felt(q))
-        F_h, F_v, N_0, *_ = self.biped.inverse_dynamics(q, dq, ddq)
+        return pin.aba(self._model, self._data, q, dq, self.felt(q))
+
+    def reaction(self, state: State, ddq: FloatArray | None = None) -> Reaction:
+        """Ground reaction, which carries what the pushes do not; ``ddq`` is `acceleration` there, where it is known."""
+        q, dq = state
+        self._joints[:], self._changes[0], self._changes[1] = q, dq, self.acceleration(state) if ddq is None else ddq
+        F_h, F_v, N_0 = pin.rnea(self._standing, self._standing_data, self._pose, *self._motion)[:BASE].tolist()
         for force, height in self.pushes:
             F_h -= force
             N_0 += force * self._pelvis.height(q, height)
-        return Reaction(float(F_h), float(F_v), float(N_0 / F_v))
+        return Reaction(F_h, F_v, N_0 / F_v if F_v else float("nan"))
 
     def reactions(self, states: State, u: FloatArray) -> Reactions:
         """Ground reactions at q, dq (m, 4) under torques u (m, 4) [N m] and no push."""
@@ -133,15 +143,15 @@ class StanceMotion:
         with np.errstate(divide="ignore", invalid="ignore"):
             return Reactions(forces[:, :2], forces[:, 2] / forces[:, 1])
 
-    def advance(self, state: State, h: float) -> State:
-        """State after h [s], by a Runge-Kutta step of order 4."""
+    def advance(self, state: State, h: float, ddq: FloatArray | None = None) -> State:
+        """State after h [s], by a Runge-Kutta step of order 4; ``ddq`` as for `reaction`."""
         # three of five microseconds of a step are Pinocchio's: it is asked without a call in between
         aba, model, data, felt, pushed = pin.aba, self._model, self._data, self.felt, bool(self.pushes)
         second, third, fourth, end = RungeKutta.of(h)
         known, stage, at, rates, u = self._known, self._stage, self._at, self._rates, self.u
         q, dq = state
         known[0], known[1] = q, dq
-        known[2] = aba(model, data, q, dq, felt(q) if pushed else u)
+        known[2] = aba(model, data, q, dq, felt(q) if pushed else u) if ddq is None else ddq
         second.dot(self._first, stage)
         known[3] = aba(model, data, at, rates, felt(at) if pushed else u)
         third.dot(self._two, stage)

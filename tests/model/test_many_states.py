@@ -28,6 +28,12 @@ def test_every_robot_stands_on_its_foot_as_for_one_state(robot):
     np.testing.assert_allclose(robot.many.inverse_dynamics(q, dq, ddq), expected, rtol=0.0, atol=ROUNDING)
 
 
+def test_several_accelerations_at_each_state(biped):
+    q, dq, *ddq = np.random.default_rng(4).normal(size=(4, 3, 4))
+    forces = biped.many.inverse_dynamics(q, dq, np.array(ddq))
+    np.testing.assert_array_equal(forces, [biped.many.inverse_dynamics(q, dq, one) for one in ddq])
+
+
 def test_columns_of_other_arrays_are_rows_too(biped):
     """Slices of a trajectory (T, 8) are not contiguous."""
     x = np.random.default_rng(0).uniform(-1.5, -1.0, (5, 8))

@@ -73,6 +73,13 @@ def test_points_of_a_stretch_fulfil_the_equation():
     assert np.column_stack([stretch.q, stretch.dq]) == pytest.approx(stretch.at(stretch.times), abs=1e-12)
 
 
+def test_at_one_time_it_is_what_it_is_at_many():
+    stretch = follow(lambda q, dq: -np.sin(q), [2.0, 1.0], [0.0, -1.0], FIRST)[0]
+    times = np.linspace(stretch.start, stretch.end, 9)
+    for t, x in zip(times, stretch.at(times), strict=True):
+        assert stretch.at_one(float(t)) == pytest.approx(x, rel=1e-14, abs=1e-15)
+
+
 def test_it_gives_up_before_a_kink_and_goes_on_behind_it():
     method = Collocation(lambda q, dq: np.where(q > 1e-3, 50.0, -50.0), 1e-10, 1e-12)
     before = method.advance(0.0, np.array([0.0]), np.array([1.0]), FIRST)

@@ -44,3 +44,17 @@ def test_a_state_stays_what_it_was_when_the_next_one_is_known(biped, reference_g
     kept = np.concatenate(first)
     motion.advance(first, 1e-3)
     np.testing.assert_array_equal(np.concatenate(first), kept)
+
+
+@pytest.mark.parametrize("pushes", [[], [(80.0, 0.1)]])
+def test_an_acceleration_that_is_known_is_the_one_that_would_be_found(biped, reference_gait, pushes):
+    motion, state = StanceMotion(biped, Stance.LEFT), State(*reference_gait.state_after_impact())
+    motion.u, motion.pushes = U, pushes
+    ddq = motion.acceleration(state)
+    assert motion.reaction(state, ddq) == motion.reaction(state)
+    for known, found in zip(motion.advance(state, 1e-3, ddq), motion.advance(state, 1e-3), strict=True):
+        np.testing.assert_array_equal(known, found)
+    forces = biped.inverse_dynamics(*state, ddq)[:3]
+    carried = sum((np.array([force, 0.0, -force * motion._pelvis.height(state.q, h)]) for force, h in pushes), 0.0)
+    F_h, F_v, N_0 = forces - carried
+    assert motion.reaction(state) == pytest.approx((F_h, F_v, N_0 / F_v), rel=1e-11)

@@ -180,13 +180,14 @@ class StanceModel:
 
     def __init__(self, biped: FrontalBiped) -> None:
         # the foot on one planar joint: a fifth less time than on three joints of one freedom each, for the same numbers
-        self._model = biped.chain.planar_base_model()
+        self._model = biped.planar_base
         self._data = self._model.createData()
         self._q, self._dq = pin.neutral(self._model), np.zeros(BASE + JOINTS)
         self._joints, self._rates = self._q[-JOINTS:], self._dq[BASE:]
 
     def at(self, state: State) -> StanceDynamics:
         """The dynamics at a state."""
+        model, data, q = self._model, self._data, self._q
         self._joints[:], self._rates[:] = state
-        M = pin.crba(self._model, self._data, self._q)
-        return StanceDynamics(state, M, pin.nonLinearEffects(self._model, self._data, self._q, self._dq))
+        M = pin.crba(model, data, q)
+        return StanceDynamics(state, M, pin.nonLinearEffects(model, data, q, self._dq))

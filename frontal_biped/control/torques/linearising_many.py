@@ -28,15 +28,13 @@ def linearising_motions(biped: FrontalBiped, states: State, wanted: ConstrainedM
         Accelerations (m, 4) and forces (m, 7).
     """
     q, dq = states
-    m = len(q)
     line = np.zeros((2, *q.shape))
     a, c = line  # slope and curvature of the virtual constraints are those of q, whose first entry is beta itself
     np.multiply(wanted.ddq, dq[:, :1] ** 2, out=a)
     a[:, 1:] += ddy
     c[:] = wanted.dq
     c += a
-    twice = (np.concatenate([part, part]) for part in (q, dq))
-    W_0, W_1 = biped.many.inverse_dynamics(next(twice), next(twice), line.reshape(2 * m, -1)).reshape(2, m, -1)
+    W_0, W_1 = biped.many.inverse_dynamics(q, dq, line)
     W_1 = W_1 - W_0
     with np.errstate(divide="ignore", invalid="ignore"):
         ddbeta = (wanted.p_fri * W_0[:, F_V] - W_0[:, N_0]) / (W_1[:, N_0] - wanted.p_fri * W_1[:, F_V])
@@ -57,10 +55,6 @@ def keep_all(limits: WalkingLimits, states: State, motions: Motion) -> bool:
 def _loads_keep(contact: ContactLimits, forces: FloatArray) -> bool:
     """Are forces (m, 7) within the limits of contact and motors?"""
     F_h, F_v, N_0_ = forces[:, F_H], forces[:, F_V], forces[:, N_0]
-    return bool(
-        (F_v >= contact.min_normal_force).all()
-        and (np.abs(F_h) <= contact.friction * F_v).all()
-        and (contact.fri_outer * F_v <= N_0_).all()
-        and (contact.fri_inner * F_v >= N_0_).all()
-        and (np.abs(forces[:, BASE:]) <= contact.max_torque).all()
-    )
+    stands = (F_v >= contact.min_normal_force) & (np.abs(F_h) <= contact.friction * F_v)
+    stands &= (contact.fri_outer * F_v <= N_0_) & (contact.fri_inner * F_v >= N_0_)
+    return bool(stands.all() and (np.abs(forces[:, BASE:]) <= contact.max_torque).all())
