@@ -5,7 +5,14 @@
 Its dual is a non-negative least-squares problem (Lawson and Hanson, Solving Least Squares Problems, Ch. 23), which
 SciPy solves by an active-set method. The active set it ends with is then solved to rounding. Unlike an interior or
 proximal method there is no tolerance: equal input gives equal digits.
+
+Of a dozen inequalities the checks around SciPy's compiled function take longer than its work, so it is called without
+them where this SciPy has it where it is looked for (`_compiled`); the digits are the same.
 """
+
+from collections.abc import Callable
+from importlib import import_module
+from math import isfinite
 
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
@@ -28,6 +35,37 @@ class UndecidedError(NoFeasiblePointError):
     """Rounding does not let tell."""
 
 
+Nnls = Callable[[FloatArray, FloatArray, int], tuple[FloatArray, float, int]]
+"""Weights >= 0 (k,) of min |E weights - target|, the distance left, and `NOT_ENDED` or another number."""
+
+NOT_ENDED = 3
+
+
+def _checked(E: FloatArray, target: FloatArray, most: int) -> tuple[FloatArray, float, int]:
+    """By SciPy's public function.
+
+    Raises:
+        ValueError: an entry is not finite.
+    """
+    try:
+        return *nnls(E, target, maxiter=most), 0
+    except RuntimeError:
+        return np.zeros(E.shape[1]), 0.0, NOT_ENDED
+
+
+def _compiled() -> Nnls:
+    """What SciPy's public function calls after its checks; that function where it is not found or not as it was."""
+    try:
+        bare: Nnls = import_module("scipy.optimize._slsqplib").nnls
+        weights, distance, verdict = bare(np.diag([1.0, 2.0]), np.array([3.0, -4.0]), SWEEPS)
+    except (ImportError, AttributeError, TypeError, ValueError):
+        return _checked
+    return bare if (weights.tolist(), distance, verdict != NOT_ENDED) == ([3.0, 0.0], 4.0, True) else _checked
+
+
+_nnls = _compiled()
+
+
 def nearest_point(G: FloatArray, h: FloatArray) -> FloatArray:
     """Multipliers (k,) of the point y = G multipliers nearest to the origin of those with G'y >= h.
 
@@ -40,20 +78,27 @@ def nearest_point(G: FloatArray, h: FloatArray) -> FloatArray:
         UndecidedError: the method did not end.
     """
     n, k = G.shape
-    if k == 0:
-        return np.zeros(0)  # SciPy 1.17 frees its memory twice when asked about nothing
     E = np.empty((n + 1, k))
     E[:n], E[n] = G, h
-    target = np.zeros(n + 1)
-    target[n] = 1.0
-    try:
-        weights, distance = nnls(E, target, maxiter=SWEEPS * (n + 1))
-    except RuntimeError as error:
-        raise UndecidedError("the active-set method did not end") from error
+    return nearest_point_of(E)
+
+
+def nearest_point_of(E: FloatArray) -> FloatArray:
+    """The same of E (n + 1, k), G above h, for who has them so."""
+    n, k = E.shape
+    if k == 0:
+        return np.zeros(0)  # SciPy 1.17 frees its memory twice when asked about nothing
+    target = np.zeros(n)
+    target[-1] = 1.0
+    solve = _nnls if isfinite(np.vdot(E, E)) else _checked
+    weights, distance, verdict = solve(E, target, SWEEPS * n)
+    if verdict == NOT_ENDED:
+        raise UndecidedError("the active-set method did not end")
     inside = distance * distance  # = 1 - h'weights, but without its rounding where it is small; 0: there is no point
     if inside <= EMPTY:
         raise NoFeasiblePointError("the inequalities contradict each other")
-    return weights / inside
+    weights /= inside
+    return weights
 
 
 def polished(G: FloatArray, h: FloatArray, multipliers: FloatArray) -> FloatArray:

@@ -19,6 +19,7 @@ the centre of mass and never zero:
 and an output's residual moves the ankle by -J_b / J_1 with it.
 """
 
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -143,16 +144,28 @@ class StanceDynamics(NamedTuple):
             a_0: unit of the outputs' residuals [rad/s^2].
             T_0: unit of the FRI's [N m].
         """
-        m = self.M[F_V, BASE:] * -targets.p_fri
-        m += self.M[N_0, BASE:]
-        c, of_outputs = targets.slope(), a_0 * targets.of_outputs()
-        k = m.dot(of_outputs)
-        k *= -1.0
-        k[FRI] = T_0
-        k /= m.dot(c)
-        along = np.multiply.outer(c, k)
-        along += of_outputs
-        return along
+        # in plain numbers, as `tracking`
+        (f_1, f_2, f_3, f_4), (n_1, n_2, n_3, n_4) = self.M[F_V : N_0 + 1, BASE:].tolist()
+        p = targets.p_fri
+        m_1, m_2, m_3, m_4 = n_1 - p * f_1, n_2 - p * f_2, n_3 - p * f_3, n_4 - p * f_4
+        c_2, c_3, c_4 = targets.h_d1.tolist()
+        c_1, s_1, s_2, s_3 = 1.0, 0.0, 0.0, 0.0  # s: by how much an output's residual moves the ankle
+        if targets.sway is not None:
+            c_1 = targets.slope().item(0)
+            s_1, s_2, s_3 = targets.of_outputs()[0, :FRI].tolist()
+        I_P = m_1 * c_1 + m_2 * c_2 + m_3 * c_3 + m_4 * c_4
+        per_I_P = 1.0 / I_P if I_P else inf
+        unit = -a_0 * per_I_P
+        k_1, k_2, k_3 = unit * (m_2 + m_1 * s_1), unit * (m_3 + m_1 * s_2), unit * (m_4 + m_1 * s_3)
+        k_4 = T_0 * per_I_P
+        # fmt: off
+        return np.array((
+            c_1 * k_1 + a_0 * s_1, c_1 * k_2 + a_0 * s_2, c_1 * k_3 + a_0 * s_3, c_1 * k_4,
+            c_2 * k_1 + a_0, c_2 * k_2, c_2 * k_3, c_2 * k_4,
+            c_3 * k_1, c_3 * k_2 + a_0, c_3 * k_3, c_3 * k_4,
+            c_4 * k_1, c_4 * k_2, c_4 * k_3 + a_0, c_4 * k_4,
+        )).reshape(JOINTS, JOINTS)
+        # fmt: on
 
     def sway(self, mass: float) -> Sway:
         """The sway, from what is known of the momentum of a robot of that mass [kg].

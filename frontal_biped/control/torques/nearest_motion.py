@@ -5,7 +5,7 @@ The program (`walking_qp`) misses its four targets by the residuals
 .. math:: r = ((\ddot y - v) / a_0,\; (N_0 - p_{FRI} F_v) / T_0),
 
 and its cost is |r|^2 / 2. Accelerations and forces are affine in r (`linearisation`); r = 0 is the linearising motion.
-What remains are the limits, rows G r >= h: a least-distance problem, which `least_distance` solves exactly, in a few
+What remains are the limits, rows G'r >= h: a least-distance problem, which `least_distance` solves exactly, in a few
 small steps, or shows to have no solution.
 
 **With a control Lyapunov function** r is measured from v = 0 and the condition of decrease is one more row. Its
@@ -20,16 +20,24 @@ from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg.lapack import dposv
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.torques.linearisation import BODY_JOINTS, FRI, JOINTS, Motion, StanceDynamics, Targets
+from frontal_biped.control.torques.limits import JointLimits
+from frontal_biped.control.torques.linearisation import (
+    BODY_JOINTS,
+    FRI,
+    JOINTS,
+    N_0,
+    Motion,
+    StanceDynamics,
+    Targets,
+)
 from frontal_biped.control.torques.relaxation import Overstepping, weights
-from frontal_biped.control.torques.walking_qp import DDQ, FORCE, OUTPUT_ACCELERATION, VARIABLES, U, WalkingQp
+from frontal_biped.control.torques.walking_qp import ANKLE, FORCE, FORCES, OUTPUT_ACCELERATION, VARIABLES, U, WalkingQp
 from frontal_biped.model.biped import BASE
 from frontal_biped.model.state import State
-from frontal_biped.numerics.least_distance import NoFeasiblePointError, UndecidedError, nearest_point
+from frontal_biped.numerics.least_distance import NoFeasiblePointError, UndecidedError, nearest_point_of
 from frontal_biped.numerics.quadratic_program import UNBOUNDED
 
 EXACT = 1e-9
@@ -74,26 +82,17 @@ class NearestMotion:
 
     def __init__(self, qp: WalkingQp) -> None:
         self.joints, self._price, self.torque_unit = qp.limits.joints, qp.price, qp.torque_unit
-        contact, torque, *_ = qp.rows
-        fixed = slice(contact.start, torque.stop)  # of the program's rows those that are the same at every tick
-        program, weight = qp.fixed, weights(qp.rows)
-        C = program.C[fixed, :VARIABLES] / qp.scale
-        below, above = program.l[fixed] > -UNBOUNDED, program.u[fixed] < UNBOUNDED
-        rows = [C[below], -C[above]]
-        least, weight_of = [program.l[fixed][below], -program.u[fixed][above]], [weight[fixed][below]]
-        weight_of.append(weight[fixed][above])
-        if self.joints is not None:
-            limited = self.joints.limited
-            joint = np.zeros((len(limited), VARIABLES))
-            joint[:, DDQ] = np.eye(JOINTS)[limited] / OUTPUT_ACCELERATION
-            rows += [joint, -joint]
-            weight_of += 2 * [weight[qp.rows.joint][limited]]
-            self._limited = np.concatenate([limited, JOINTS + limited])
-        all_rows = np.concatenate(rows)
-        self.fixed, self.of_ddq = np.concatenate(least), np.ascontiguousarray(all_rows[:, DDQ])
-        of_moment = np.zeros((len(all_rows), 1))  # none: N_0 is not a variable of the program
-        self.of_forces = np.concatenate([all_rows[:, FORCE], of_moment, all_rows[:, U]], axis=1)
-        self._overstepping = Overstepping(np.concatenate(weight_of))
+        forces, least, weight = _rows_of_forces(qp)
+        limited = np.zeros(0, np.intp) if self.joints is None else self.joints.limited
+        joint = np.eye(JOINTS)[limited] / OUTPUT_ACCELERATION
+        self.fixed, self._limited = least, limited.tolist()
+        self._fixed = least.tolist()
+        self.of_forces = np.concatenate([forces, np.zeros((2 * len(joint), BASE + JOINTS))])
+        self.of_ddq = np.concatenate([np.zeros((len(forces), JOINTS)), joint, -joint])
+        # of the forces, and of the accelerations behind them where any row is of these
+        self._rows = self.of_forces if self.joints is None else np.hstack([self.of_forces, self.of_ddq])
+        self._columns = np.ascontiguousarray(self._rows.T)
+        self._overstepping = Overstepping(np.concatenate([weight, 2 * list(weights(qp.rows)[qp.rows.joint][limited])]))
 
     def solve(self, dynamics: StanceDynamics, targets: Targets, linearising: Motion) -> Nearest | None:
         """The optimum at the state of the dynamics.
@@ -109,15 +108,15 @@ class NearestMotion:
         if targets.decrease is not None:  # from v = 0
             origin = dynamics.linearising(targets._replace(ddy=np.zeros(BODY_JOINTS))) or linearising
         along = dynamics.along_residuals(targets, OUTPUT_ACCELERATION, self.torque_unit)
-        G, h = self._limits(dynamics, origin, along)
+        forces_along = dynamics.M[:, BASE:].dot(along)
+        G, h = self._limits(dynamics.state, origin, along, forces_along)
         if not (isfinite(h.dot(h)) and np.vdot(along, along) < STEEP * STEEP):
             return None
         try:
             r, delta, violation = self._optimum_or_nearest(G, h, targets)
         except NoFeasiblePointError:
             return None
-        ddq = along.dot(r)
-        forces = dynamics.M[:, BASE:].dot(ddq)
+        ddq, forces = along.dot(r), forces_along.dot(r)
         ddq += origin.ddq
         forces += origin.forces
         return Nearest(Motion(ddq, forces), delta, violation)
@@ -134,29 +133,27 @@ class NearestMotion:
             raise
         except NoFeasiblePointError:
             r, delta = self._optimum(G, h - self._least_overstepping(G, h, targets), targets)
-            return r, delta, max(0.0, _largest(h - G.dot(r)))
+            return r, delta, max(0.0, _largest(h - r.dot(G)))
 
-    def _limits(self, dynamics: StanceDynamics, origin: Motion, along: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Rows G r >= h of all limits, G (k, 4), h (k,)."""
-        of_motion = self.of_forces.dot(dynamics.M[:, BASE:])  # by ddq, through the forces it takes and by itself
-        of_motion += self.of_ddq
-        h = self._least(dynamics.state) - self.of_forces.dot(origin.forces)
-        h -= self.of_ddq.dot(origin.ddq)
-        if self.joints is not None:
-            np.maximum(h, NEVER, out=h)
-        return of_motion.dot(along), h
-
-    def _least(self, state: State) -> FloatArray:
-        """(k,) lower bounds of the rows at a state; -inf of a joint without a limit on that side."""
+    def _limits(
+        self, state: State, origin: Motion, along: FloatArray, forces_along: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Rows G'r >= h of all limits, G (4, k), h (k,)."""
         if self.joints is None:
-            return self.fixed
-        lower, upper = self.joints.bounds(state)
-        bounds = np.concatenate([lower, -upper]).take(self._limited)
-        bounds /= OUTPUT_ACCELERATION
-        return np.concatenate([self.fixed, bounds])
+            return forces_along.T.dot(self._columns), self.fixed - self._rows.dot(origin.forces)
+        G = np.concatenate([forces_along, along]).T.dot(self._columns)
+        h = self._least(self.joints, state) - self._rows.dot(np.concatenate([origin.forces, origin.ddq]))
+        return G, np.maximum(h, NEVER, out=h)
+
+    def _least(self, joints: JointLimits, state: State) -> FloatArray:
+        """(k,) lower bounds of the rows at a state; -inf of a joint without a limit on that side."""
+        ranges = joints.ranges_at(state)
+        lower = [ranges[joint][0] / OUTPUT_ACCELERATION for joint in self._limited]
+        upper = [ranges[joint][1] / -OUTPUT_ACCELERATION for joint in self._limited]
+        return np.array(self._fixed + lower + upper)
 
     def _optimum(self, G: FloatArray, h: FloatArray, targets: Targets) -> tuple[FloatArray, float]:
-        """Residuals (4,) and delta [rad/s^2] of the optimum under G r >= h.
+        """Residuals (4,) and delta [rad/s^2] of the optimum under G'r >= h.
 
         Raises:
             NoFeasiblePointError: there is none.
@@ -167,13 +164,13 @@ class NearestMotion:
         n, b = targets.decrease
         row = np.append(-n, 0.0)
         try:
-            r, multipliers = _nearest(np.vstack([G, row]), np.append(h, b / OUTPUT_ACCELERATION))
+            r, multipliers = _nearest(np.column_stack([G, row]), np.append(h, b / OUTPUT_ACCELERATION))
             if multipliers[-1] <= self._price:
                 return r, 0.0
         except NoFeasiblePointError:  # not without relaxation
             pass
         pulled = self._price * row
-        r = _nearest(G, h - G.dot(pulled))[0] + pulled
+        r = _nearest(G, h - pulled.dot(G))[0] + pulled
         delta = b - OUTPUT_ACCELERATION * row.dot(r).item()
         if delta < 0.0:
             raise UndecidedError("neither with nor without relaxation")
@@ -186,12 +183,36 @@ class NearestMotion:
             NoFeasiblePointError: rounding makes it look as if motors had to give way too.
         """
         if targets.decrease is not None:
-            h = h - G[:, :FRI].dot(targets.ddy) / OUTPUT_ACCELERATION
+            h = h - targets.ddy.dot(G[:FRI]) / OUTPUT_ACCELERATION
         return self._overstepping.least(G, h, _distance(G, h))
 
 
+def _rows_of_forces(qp: WalkingQp) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Rows (k, 7) of the limits of contact and motors by the forces, their least values (k,), their weights (k,).
+
+    The program has no N_0 among its variables. Its rows of the contact have it as the combination that it is of
+    others, and nothing else of the torques, so that the ankle's tells how much of it they have.
+    """
+    contact, torque, *_ = qp.rows
+    program, fixed = qp.fixed, slice(contact.start, torque.stop)
+    C, l, u = program.C[fixed, :VARIABLES].copy(), program.l[fixed].copy(), program.u[fixed].copy()
+    moment = np.zeros(len(C))
+    moment[contact] = C[contact, ANKLE]
+    C -= np.outer(moment, qp.moment)
+    l += moment * qp.moment_constant
+    C /= qp.scale
+    rows = np.zeros((len(C), BASE + JOINTS))
+    rows[:, :FORCES], rows[:, N_0], rows[:, BASE:] = C[:, FORCE], moment / qp.torque_unit, C[:, U]
+    below, above, weight = l > -UNBOUNDED, u < UNBOUNDED, weights(qp.rows)[fixed]
+    return (
+        np.concatenate([rows[below], -rows[above]]),
+        np.concatenate([l[below], -u[above]]),
+        np.concatenate([weight[below], weight[above]]),
+    )
+
+
 def _nearest(G: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The point r (4,) nearest to the origin with G r >= h, and multipliers (k,).
+    """The point r (4,) nearest to the origin with G'r >= h, and multipliers (k,).
 
     It is sought in units of the distance that the farthest row asks for, or rounding would hide a far one.
 
@@ -200,36 +221,43 @@ def _nearest(G: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
         UndecidedError: it is not known to rounding.
     """
     unit = _distance(G, h)
-    multipliers = nearest_point(G.T, h / unit)
+    E = np.empty((JOINTS + 1, len(h)))
+    E[:JOINTS] = G
+    np.divide(h, unit, out=E[JOINTS])
+    multipliers = nearest_point_of(E)
     multipliers *= unit
-    r = multipliers.dot(G)
-    active = multipliers.nonzero()[0]
-    room = G.dot(r)
-    room -= h
+    r = G.dot(multipliers)
+    missed = h - r.dot(G)
     for shortest in (_by_normal_equations, _by_least_squares):  # the second is sought where the first is too rough
-        if _missed(room, active) <= EXACT:
+        if _roughness(missed, multipliers) <= EXACT:
             return r, multipliers
-        r -= shortest(G.take(active, 0), room.take(active))
-        room = G.dot(r) - h
-    if _missed(room, active) > EXACT:
+        active = multipliers.nonzero()[0]
+        r += shortest(G.take(active, 1), missed.take(active))
+        missed = h - r.dot(G)
+    if _roughness(missed, multipliers) > EXACT:
         raise UndecidedError("the active rows are met to rounding only")
     return r, multipliers
 
 
 def _by_normal_equations(rows: FloatArray, values: FloatArray) -> FloatArray:
-    """Shortest d (4,) with rows d = values; zero where the rows are dependent."""
-    _, weights, failed = dposv(rows.dot(rows.T), values)
-    return np.zeros(rows.shape[1]) if failed else np.asarray(weights.dot(rows))
+    """Shortest d (4,) with rows'd = values; zero where the rows are dependent."""
+    _, weights, failed = dposv(rows.T.dot(rows), values)
+    return np.zeros(len(rows)) if failed else np.asarray(rows.dot(weights))
 
 
 def _by_least_squares(rows: FloatArray, values: FloatArray) -> FloatArray:
     """The same by singular values: slower, for rows however nearly dependent."""
-    return np.asarray(np.linalg.lstsq(rows, values, rcond=None)[0], dtype=float)
+    return np.asarray(np.linalg.lstsq(rows.T, values, rcond=None)[0], dtype=float)
 
 
-def _missed(room: FloatArray, active: npt.NDArray[np.intp]) -> float:
-    """By how much G r - h is negative anywhere, or not zero where a row is active."""
-    return max(_largest(-room), _largest(room.take(active)) if active.size else 0.0)
+def _roughness(missed: FloatArray, multipliers: FloatArray) -> float:
+    """By how much h - G'r is positive anywhere, or not zero where a row is active."""
+    amounts = missed.tolist()  # plain numbers, as `tracking`
+    roughness = max(amounts)
+    for amount, multiplier in zip(amounts, multipliers.tolist(), strict=True):
+        if multiplier and amount < -roughness:
+            roughness = -amount
+    return roughness
 
 
 def _largest(values: FloatArray) -> float:
@@ -238,7 +266,8 @@ def _largest(values: FloatArray) -> float:
 
 
 def _distance(G: FloatArray, h: FloatArray) -> float:
-    """How far r must at least go to meet the row G r >= h that is missed by most, or 1 if that is more."""
+    """How far r must at least go to meet the row G'r >= h that is missed by most, or 1 if that is more."""
     i = h.argmax()
-    size = G[i].dot(G[i]).item() ** 0.5
+    row = G[:, i]
+    size = row.dot(row).item() ** 0.5
     return max(1.0, h.item(i) / size) if size > 0.0 else 1.0
