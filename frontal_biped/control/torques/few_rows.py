@@ -14,8 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.torques.linearisation import F_V, JOINTS, N_0, Motion, StanceDynamics, Targets
-from frontal_biped.control.torques.nearest_motion import EXACT, NEVER, STEEP, NearestMotion
+from frontal_biped.control.torques.linearisation import F_V, JOINTS, N_0, STEEP, Motion, StanceDynamics, Targets
+from frontal_biped.control.torques.nearest_motion import AMPLE, EXACT, NearestMotion
 from frontal_biped.control.torques.walking_qp import OUTPUT_ACCELERATION
 from frontal_biped.files.extras import missing_extra
 
@@ -108,8 +108,8 @@ def few_active_rows(
             h[i] -= of_forces[i, j] * forces[j]
         for j in range(n):
             h[i] -= of_ddq[i, j] * ddq[j]
-        if h[i] < NEVER:
-            h[i] = NEVER
+        if h[i] < -AMPLE:
+            h[i] = -AMPLE
         if not np.isfinite(h[i]):
             return NOT_FOUND
         if h[i] > h[most]:

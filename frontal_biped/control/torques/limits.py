@@ -78,20 +78,10 @@ class JointLimits:
 
     def bounds(self, state: State) -> tuple[FloatArray, FloatArray]:
         """(4,) least and (4,) largest ddq [rad/s^2] at a state."""
-        lower, upper = zip(*self.ranges_at(state), strict=True)
-        return np.array(lower), np.array(upper)
-
-    def ranges_at(self, state: State) -> list[tuple[float, float]]:
-        """The same of each joint in plain numbers."""
-        q, dq = state
-        r, twice = self.rate**2, 2.0 * self.rate
-        found = []
-        for (lower, upper, fastest), at, speed in zip(self._ranges, q.tolist(), dq.tolist(), strict=True):
-            pull, drag = r * at, twice * speed
-            most = min(upper - pull, fastest) - drag
-            least = max(lower - pull, -fastest) - drag
-            found.append((min(least, most), most))  # they cross only far outside a range
-        return found
+        pull, drag = self.rate**2 * state.q, 2.0 * self.rate * state.dq
+        upper = np.minimum(self._upper - pull, self._velocity) - drag
+        lower = np.maximum(self._lower - pull, -self._velocity) - drag
+        return np.minimum(lower, upper), upper  # they cross only far outside a range
 
     def keeps(self, state: State, ddq: FloatArray) -> bool:
         """Is ddq (4,) [rad/s^2] within the bounds?"""

@@ -16,7 +16,8 @@ pulls with rho exactly, which is the same program without the row and with v = -
 least-distance problem too, and a second one has the limits moved by s.
 """
 
-from math import isfinite
+from itertools import compress
+from math import isfinite, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -43,13 +44,10 @@ from frontal_biped.numerics.quadratic_program import UNBOUNDED
 EXACT = 1e-9
 """By how much a row may be missed, in the units of the program."""
 
-NEVER = -1e9
-"""Stands for minus infinity: a row that is never active."""
-
-
-STEEP = 1e8
-"""Norm of the accelerations by the residuals [rad/s^2], above which I_P nearly vanishes: the linearising motion is as
-large, and what is left of it when the limits are kept has lost as many digits."""
+AMPLE = 1e9
+"""Stands for infinite room: a row that is never active."""
+ROOM = JOINTS
+"""Place of -h, the room that a row has at r = 0, below the four of G; and of the 1 behind r."""
 
 
 class Nearest(NamedTuple):
@@ -85,8 +83,7 @@ class NearestMotion:
         forces, least, weight = _rows_of_forces(qp)
         limited = np.zeros(0, np.intp) if self.joints is None else self.joints.limited
         joint = np.eye(JOINTS)[limited] / OUTPUT_ACCELERATION
-        self.fixed, self._limited = least, limited.tolist()
-        self._fixed = least.tolist()
+        self.fixed, self._limited = least, np.concatenate([limited, JOINTS + limited])
         self.of_forces = np.concatenate([forces, np.zeros((2 * len(joint), BASE + JOINTS))])
         self.of_ddq = np.concatenate([np.zeros((len(forces), JOINTS)), joint, -joint])
         # of the forces, and of the accelerations behind them where any row is of these
@@ -107,84 +104,91 @@ class NearestMotion:
         origin = linearising
         if targets.decrease is not None:  # from v = 0
             origin = dynamics.linearising(targets._replace(ddy=np.zeros(BODY_JOINTS))) or linearising
-        along = dynamics.along_residuals(targets, OUTPUT_ACCELERATION, self.torque_unit)
-        forces_along = dynamics.M[:, BASE:].dot(along)
-        G, h = self._limits(dynamics.state, origin, along, forces_along)
-        if not (isfinite(h.dot(h)) and np.vdot(along, along) < STEEP * STEEP):
+        motion = dynamics.by_residuals(targets, OUTPUT_ACCELERATION, self.torque_unit, origin.ddq)
+        if motion is None:
             return None
+        forces = dynamics.M[:, BASE:].dot(motion)  # both of (r, 1)
+        forces[:, JOINTS] = origin.forces
+        rows = self._limits(dynamics.state, motion, forces)
         try:
-            r, delta, violation = self._optimum_or_nearest(G, h, targets)
+            r, delta, violation = self._optimum_or_nearest(rows, targets)
         except NoFeasiblePointError:
             return None
-        ddq, forces = along.dot(r), forces_along.dot(r)
-        ddq += origin.ddq
-        forces += origin.forces
-        return Nearest(Motion(ddq, forces), delta, violation)
+        return Nearest(Motion(motion.dot(r), forces.dot(r)), delta, violation)
 
-    def _optimum_or_nearest(self, G: FloatArray, h: FloatArray, targets: Targets) -> tuple[FloatArray, float, float]:
-        """Residuals (4,), delta [rad/s^2] and violation [-]: with the limits as they are, or giving way as they must.
+    def _optimum_or_nearest(self, rows: FloatArray, targets: Targets) -> tuple[FloatArray, float, float]:
+        """(r, 1), delta [rad/s^2] and violation [-]: with the limits as they are, or giving way as they must.
 
         Raises:
             NoFeasiblePointError: neither is known to rounding.
         """
         try:
-            return *self._optimum(G, h, targets), 0.0
+            return *self._optimum(rows, targets), 0.0
         except UndecidedError:
             raise
         except NoFeasiblePointError:
-            r, delta = self._optimum(G, h - self._least_overstepping(G, h, targets), targets)
-            return r, delta, max(0.0, _largest(h - r.dot(G)))
+            moved = rows.copy()
+            moved[ROOM] += self._least_overstepping(rows, targets)
+            r, delta = self._optimum(moved, targets)
+            return r, delta, max(0.0, -min(r.dot(rows).tolist()))
 
-    def _limits(
-        self, state: State, origin: Motion, along: FloatArray, forces_along: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Rows G'r >= h of all limits, G (4, k), h (k,)."""
+    def _limits(self, state: State, motion: FloatArray, forces: FloatArray) -> FloatArray:
+        """(5, k) all limits, rows'(r, 1) >= 0, of accelerations (4, 5) and forces (7, 5) by (r, 1)."""
         if self.joints is None:
-            return forces_along.T.dot(self._columns), self.fixed - self._rows.dot(origin.forces)
-        G = np.concatenate([forces_along, along]).T.dot(self._columns)
-        h = self._least(self.joints, state) - self._rows.dot(np.concatenate([origin.forces, origin.ddq]))
-        return G, np.maximum(h, NEVER, out=h)
+            rows = forces.T.dot(self._columns)
+            rows[ROOM] -= self.fixed
+            return rows
+        rows = np.concatenate([forces, motion]).T.dot(self._columns)
+        room = rows[ROOM]
+        room -= self._least(self.joints, state)
+        np.minimum(room, AMPLE, out=room)
+        return rows
 
     def _least(self, joints: JointLimits, state: State) -> FloatArray:
         """(k,) lower bounds of the rows at a state; -inf of a joint without a limit on that side."""
-        ranges = joints.ranges_at(state)
-        lower = [ranges[joint][0] / OUTPUT_ACCELERATION for joint in self._limited]
-        upper = [ranges[joint][1] / -OUTPUT_ACCELERATION for joint in self._limited]
-        return np.array(self._fixed + lower + upper)
+        lower, upper = joints.bounds(state)
+        bounds = np.concatenate([lower, -upper]).take(self._limited)
+        bounds /= OUTPUT_ACCELERATION
+        return np.concatenate([self.fixed, bounds])
 
-    def _optimum(self, G: FloatArray, h: FloatArray, targets: Targets) -> tuple[FloatArray, float]:
-        """Residuals (4,) and delta [rad/s^2] of the optimum under G'r >= h.
+    def _optimum(self, rows: FloatArray, targets: Targets) -> tuple[FloatArray, float]:
+        """(r, 1) and delta [rad/s^2] of the optimum under rows'(r, 1) >= 0.
 
         Raises:
             NoFeasiblePointError: there is none.
             UndecidedError: it is not known to rounding.
         """
         if targets.decrease is None:
-            return _nearest(G, h)[0], 0.0
+            return _nearest(rows)[0], 0.0
         n, b = targets.decrease
-        row = np.append(-n, 0.0)
+        decrease = np.array((*(-n).tolist(), 0.0, -b / OUTPUT_ACCELERATION))
         try:
-            r, multipliers = _nearest(np.column_stack([G, row]), np.append(h, b / OUTPUT_ACCELERATION))
+            r, multipliers = _nearest(np.column_stack([rows, decrease]))
             if multipliers[-1] <= self._price:
                 return r, 0.0
         except NoFeasiblePointError:  # not without relaxation
             pass
-        pulled = self._price * row
-        r = _nearest(G, h - pulled.dot(G))[0] + pulled
-        delta = b - OUTPUT_ACCELERATION * row.dot(r).item()
+        pulled = self._price * decrease
+        pulled[ROOM] = 0.0
+        moved = rows.copy()
+        moved[ROOM] += pulled.dot(rows)
+        r = _nearest(moved)[0]
+        r += pulled
+        delta = b + OUTPUT_ACCELERATION * n.dot(r[:FRI]).item()
         if delta < 0.0:
             raise UndecidedError("neither with nor without relaxation")
         return r, delta
 
-    def _least_overstepping(self, G: FloatArray, h: FloatArray, targets: Targets) -> FloatArray:
+    def _least_overstepping(self, rows: FloatArray, targets: Targets) -> FloatArray:
         """(k,) by how much each limit gives way, a little more than it must.
 
         Raises:
             NoFeasiblePointError: rounding makes it look as if motors had to give way too.
         """
         if targets.decrease is not None:
-            h = h - targets.ddy.dot(G[:FRI]) / OUTPUT_ACCELERATION
-        return self._overstepping.least(G, h, _distance(G, h))
+            rows = rows.copy()
+            rows[ROOM] += targets.ddy.dot(rows[:FRI]) / OUTPUT_ACCELERATION
+        return self._overstepping.least(rows, _distance(rows))
 
 
 def _rows_of_forces(qp: WalkingQp) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -211,8 +215,8 @@ def _rows_of_forces(qp: WalkingQp) -> tuple[FloatArray, FloatArray, FloatArray]:
     )
 
 
-def _nearest(G: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The point r (4,) nearest to the origin with G'r >= h, and multipliers (k,).
+def _nearest(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(r, 1) of the point r nearest to the origin with rows'(r, 1) >= 0, rows (5, k), and multipliers (k,).
 
     It is sought in units of the distance that the farthest row asks for, or rounding would hide a far one.
 
@@ -220,54 +224,57 @@ def _nearest(G: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
         NoFeasiblePointError: there is none.
         UndecidedError: it is not known to rounding.
     """
-    unit = _distance(G, h)
-    E = np.empty((JOINTS + 1, len(h)))
-    E[:JOINTS] = G
-    np.divide(h, unit, out=E[JOINTS])
-    multipliers = nearest_point_of(E)
-    multipliers *= unit
-    r = G.dot(multipliers)
-    missed = h - r.dot(G)
+    unit = _distance(rows)
+    scaled = rows
+    if unit > 1.0:
+        scaled = rows.copy()
+        scaled[ROOM] /= unit
+    multipliers = nearest_point_of(scaled, unit)
+    r = rows.dot(multipliers)
+    r[ROOM] = 1.0
+    room = r.dot(rows)
     for shortest in (_by_normal_equations, _by_least_squares):  # the second is sought where the first is too rough
-        if _roughness(missed, multipliers) <= EXACT:
+        if _missed(room, multipliers) <= EXACT:
             return r, multipliers
         active = multipliers.nonzero()[0]
-        r += shortest(G.take(active, 1), missed.take(active))
-        missed = h - r.dot(G)
-    if _roughness(missed, multipliers) > EXACT:
+        r[:ROOM] -= shortest(rows[:ROOM].take(active, 1), room.take(active))
+        room = r.dot(rows)
+    if _missed(room, multipliers) > EXACT:
         raise UndecidedError("the active rows are met to rounding only")
     return r, multipliers
 
 
-def _by_normal_equations(rows: FloatArray, values: FloatArray) -> FloatArray:
-    """Shortest d (4,) with rows'd = values; zero where the rows are dependent."""
-    _, weights, failed = dposv(rows.T.dot(rows), values)
-    return np.zeros(len(rows)) if failed else np.asarray(rows.dot(weights))
+def _by_normal_equations(G: FloatArray, values: FloatArray) -> FloatArray:
+    """Shortest d (4,) with G'd = values; zero where the rows are dependent."""
+    _, weights, failed = dposv(G.T.dot(G), values)
+    return np.zeros(len(G)) if failed else np.asarray(G.dot(weights))
 
 
-def _by_least_squares(rows: FloatArray, values: FloatArray) -> FloatArray:
+def _by_least_squares(G: FloatArray, values: FloatArray) -> FloatArray:
     """The same by singular values: slower, for rows however nearly dependent."""
-    return np.asarray(np.linalg.lstsq(rows.T, values, rcond=None)[0], dtype=float)
+    return np.asarray(np.linalg.lstsq(G.T, values, rcond=None)[0], dtype=float)
 
 
-def _roughness(missed: FloatArray, multipliers: FloatArray) -> float:
-    """By how much h - G'r is positive anywhere, or not zero where a row is active."""
-    amounts = missed.tolist()  # plain numbers, as `tracking`
-    roughness = max(amounts)
-    for amount, multiplier in zip(amounts, multipliers.tolist(), strict=True):
-        if multiplier and amount < -roughness:
-            roughness = -amount
-    return roughness
+def _missed(room: FloatArray, multipliers: FloatArray) -> float:
+    """By how much G'r - h is negative anywhere, or not zero where a row is active."""
+    amounts = room.tolist()  # plain numbers, as `tracking`
+    missed = -min(amounts)
+    for amount in compress(amounts, multipliers.tolist()):
+        if amount > missed:
+            missed = amount
+    return missed
 
 
-def _largest(values: FloatArray) -> float:
-    """Of a handful of numbers; NumPy's own `max` takes four times as long to begin."""
-    return values.item(values.argmax())
+def _distance(rows: FloatArray) -> float:
+    """How far r must at least go to meet the row that is missed by most, or 1 if that is more.
 
-
-def _distance(G: FloatArray, h: FloatArray) -> float:
-    """How far r must at least go to meet the row G'r >= h that is missed by most, or 1 if that is more."""
-    i = h.argmax()
-    row = G[:, i]
-    size = row.dot(row).item() ** 0.5
-    return max(1.0, h.item(i) / size) if size > 0.0 else 1.0
+    Raises:
+        UndecidedError: one of them is not a finite number.
+    """
+    room = rows[ROOM].tolist()
+    if not isfinite(sum(room)):
+        raise UndecidedError("the state is far outside of everything")
+    least = min(room)
+    a, b, c, d, _ = rows[:, room.index(least)].tolist()
+    size = sqrt(a * a + b * b + c * c + d * d)
+    return max(1.0, -least / size) if size > 0.0 else 1.0

@@ -45,7 +45,7 @@ def weights(rows: Rows) -> FloatArray:
 
 
 class Overstepping:
-    """The least overstepping of rows G'r >= h, to rounding; the cost of the task is |r|^2 / 2, r (4,).
+    """The least overstepping of limits rows'(r, 1) >= 0, to rounding; the cost of the task is |r|^2 / 2, r (4,).
 
     Args:
         weight: (k,) of the rows; inf: it never gives way.
@@ -57,20 +57,19 @@ class Overstepping:
         self._rows = np.zeros((JOINTS + len(soft) + 1, len(weight)))  # h goes below
         self._rows[JOINTS + np.arange(len(soft)), soft] = weight[soft] ** -0.5
 
-    def least(self, G: FloatArray, h: FloatArray, unit: float) -> FloatArray:
+    def least(self, limits: FloatArray, unit: float) -> FloatArray:
         """(k,) by how much the rows give way, a little more than they must.
 
         Args:
-            G: (4, k).
-            h: (k,).
+            limits: (5, k).
             unit: size of r in which the cost is measured [-], as the walking program's is in units of its own size.
 
         Raises:
             NoFeasiblePointError: rounding makes it look as if motors had to give way too.
         """
         rows = self._rows.copy()
-        np.multiply(G, unit / TASK_WEIGHT**0.5, out=rows[:JOINTS])
-        rows[-1] = h
+        np.multiply(limits[:JOINTS], unit / TASK_WEIGHT**0.5, out=rows[:JOINTS])
+        rows[-1] = limits[JOINTS]
         s = nearest_point_of(rows)
         s /= self._weight
         s += _room(s) * self._gives_way
