@@ -83,7 +83,7 @@ class NearestMotion:
         forces, least, weight = _rows_of_forces(qp)
         limited = np.zeros(0, np.intp) if self.joints is None else self.joints.limited
         joint = np.eye(JOINTS)[limited] / OUTPUT_ACCELERATION
-        self.fixed, self._limited = least, np.concatenate([limited, JOINTS + limited])
+        self.fixed, self._fixed, self._limited = least, least.tolist(), limited.tolist()
         self.of_forces = np.concatenate([forces, np.zeros((2 * len(joint), BASE + JOINTS))])
         self.of_ddq = np.concatenate([np.zeros((len(forces), JOINTS)), joint, -joint])
         # of the forces, and of the accelerations behind them where any row is of these
@@ -139,17 +139,16 @@ class NearestMotion:
             rows[ROOM] -= self.fixed
             return rows
         rows = np.concatenate([forces, motion]).T.dot(self._columns)
-        room = rows[ROOM]
-        room -= self._least(self.joints, state)
-        np.minimum(room, AMPLE, out=room)
+        rows[ROOM] -= self._least(self.joints, state)
         return rows
 
     def _least(self, joints: JointLimits, state: State) -> FloatArray:
-        """(k,) lower bounds of the rows at a state; -inf of a joint without a limit on that side."""
-        lower, upper = joints.bounds(state)
-        bounds = np.concatenate([lower, -upper]).take(self._limited)
-        bounds /= OUTPUT_ACCELERATION
-        return np.concatenate([self.fixed, bounds])
+        """(k,) lower bounds of the rows at a state."""
+        bounds = joints.bounds_of_joints(state)
+        least = [*self._fixed]
+        least += [max(bounds[i][0] / OUTPUT_ACCELERATION, -AMPLE) for i in self._limited]
+        least += [max(bounds[i][1] / -OUTPUT_ACCELERATION, -AMPLE) for i in self._limited]
+        return np.fromiter(least, float, len(least))
 
     def _optimum(self, rows: FloatArray, targets: Targets) -> tuple[FloatArray, float]:
         """(r, 1) and delta [rad/s^2] of the optimum under rows'(r, 1) >= 0.

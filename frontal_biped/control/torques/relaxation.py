@@ -110,4 +110,4 @@ def violation(program: QuadraticProgram, x: FloatArray) -> float:
 
 
 def _room(s: FloatArray) -> float:
-    return SLACK * max(1.0, s.max().item())
+    return SLACK * max(1.0, *s.tolist())
