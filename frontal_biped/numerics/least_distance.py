@@ -81,39 +81,36 @@ def nearest_point(G: FloatArray, h: FloatArray) -> FloatArray:
     n, k = G.shape
     E = np.empty((n + 1, k))
     E[:n], E[n] = G, h
-    return _multipliers(_nnls if isfinite(np.vdot(E, E)) else _checked, E, 1.0)
+    return nearest_point_of(E, 1.0, 1.0, _nnls if isfinite(np.vdot(E, E)) else _checked)
 
 
-def nearest_point_of(E: FloatArray, unit: float = 1.0) -> FloatArray:
+def nearest_point_of(E: FloatArray, unit: float = 1.0, side: float = -1.0, solve: Nnls = _nnls) -> FloatArray:
     """The same with the inequalities E'(y, 1) >= 0, of finite numbers, and the multipliers times a unit.
 
     Args:
         E: (n + 1, k), G above -h.
         unit: that h and y are in.
+        side: 1 for G above h.
+        solve: the method for the dual.
     """
-    return _multipliers(_nnls, E, -unit)
-
-
-def _multipliers(solve: Nnls, E: FloatArray, unit: float) -> FloatArray:
-    """Of G above h, or with a negative unit above -h."""
     n, k = E.shape
     if k == 0:
         return np.zeros(0)  # SciPy 1.17 frees its memory twice when asked about nothing
-    weights, distance, verdict = solve(E, _target(n, unit > 0.0), SWEEPS * n)
+    weights, distance, verdict = solve(E, _target(n, side), SWEEPS * n)
     if verdict == NOT_ENDED:
         raise UndecidedError("the active-set method did not end")
     inside = distance * distance  # = 1 - h'weights, but without its rounding where it is small; 0: there is no point
     if inside <= EMPTY:
         raise NoFeasiblePointError("the inequalities contradict each other")
-    weights *= abs(unit) / inside
+    weights *= unit / inside
     return weights
 
 
 @cache
-def _target(size: int, positive: bool) -> FloatArray:
-    """The last of the unit vectors or its opposite; never written to."""
+def _target(size: int, last: float) -> FloatArray:
+    """Zeros (size,) but for the last; never written to."""
     target = np.zeros(size)
-    target[-1] = 1.0 if positive else -1.0
+    target[-1] = last
     target.flags.writeable = False
     return target
 

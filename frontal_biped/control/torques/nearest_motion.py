@@ -44,6 +44,9 @@ from frontal_biped.numerics.quadratic_program import UNBOUNDED
 EXACT = 1e-9
 """By how much a row may be missed, in the units of the program."""
 
+FAR = 100.0
+"""By how much the row missed by most must be missed for the nearest point to be sought in other units than its own."""
+
 AMPLE = 1e9
 """Stands for infinite room: a row that is never active."""
 ROOM = JOINTS
@@ -54,12 +57,14 @@ class Nearest(NamedTuple):
     """The optimum of the walking program.
 
     Attributes:
-        motion: accelerations and forces.
+        ddq: (4,) accelerations [rad/s^2].
+        forces: (7,) of `Motion` [N, N m].
         relaxation: delta of the control Lyapunov function [rad/s^2].
         violation: by how much limits are overstepped, in the units of the program [-]; 0 where none had to give way.
     """
 
-    motion: Motion
+    ddq: FloatArray
+    forces: FloatArray
     relaxation: float
     violation: float
 
@@ -111,35 +116,36 @@ class NearestMotion:
         forces[:, JOINTS] = origin.forces
         rows = self._limits(dynamics.state, motion, forces)
         try:
-            r, delta, violation = self._optimum_or_nearest(rows, targets)
-        except NoFeasiblePointError:
+            r, delta = self._optimum(rows, targets)
+            violation = 0.0
+        except UndecidedError:
             return None
-        return Nearest(Motion(motion.dot(r), forces.dot(r)), delta, violation)
+        except NoFeasiblePointError:
+            try:
+                r, delta, violation = self._giving_way(rows, targets)
+            except NoFeasiblePointError:
+                return None
+        return Nearest(motion.dot(r), forces.dot(r), delta, violation)
 
-    def _optimum_or_nearest(self, rows: FloatArray, targets: Targets) -> tuple[FloatArray, float, float]:
-        """(r, 1), delta [rad/s^2] and violation [-]: with the limits as they are, or giving way as they must.
+    def _giving_way(self, rows: FloatArray, targets: Targets) -> tuple[FloatArray, float, float]:
+        """(r, 1), delta [rad/s^2] and violation [-] with limits that give way as they must.
 
         Raises:
-            NoFeasiblePointError: neither is known to rounding.
+            NoFeasiblePointError: it is not known to rounding.
         """
-        try:
-            return *self._optimum(rows, targets), 0.0
-        except UndecidedError:
-            raise
-        except NoFeasiblePointError:
-            moved = rows.copy()
-            moved[ROOM] += self._least_overstepping(rows, targets)
-            r, delta = self._optimum(moved, targets)
-            return r, delta, max(0.0, -min(r.dot(rows).tolist()))
+        moved = rows.copy()
+        moved[ROOM] += self._least_overstepping(rows, targets)
+        r, delta = self._optimum(moved, targets)
+        return r, delta, max(0.0, -min(r.dot(rows).tolist()))
 
     def _limits(self, state: State, motion: FloatArray, forces: FloatArray) -> FloatArray:
         """(5, k) all limits, rows'(r, 1) >= 0, of accelerations (4, 5) and forces (7, 5) by (r, 1)."""
         if self.joints is None:
-            rows = forces.T.dot(self._columns)
-            rows[ROOM] -= self.fixed
-            return rows
-        rows = np.concatenate([forces, motion]).T.dot(self._columns)
-        rows[ROOM] -= self._least(self.joints, state)
+            rows, least = forces.T.dot(self._columns), self.fixed
+        else:
+            rows, least = np.concatenate([forces, motion]).T.dot(self._columns), self._least(self.joints, state)
+        room = rows[ROOM]
+        room -= least
         return rows
 
     def _least(self, joints: JointLimits, state: State) -> FloatArray:
@@ -265,7 +271,7 @@ def _missed(room: FloatArray, multipliers: FloatArray) -> float:
 
 
 def _distance(rows: FloatArray) -> float:
-    """How far r must at least go to meet the row that is missed by most, or 1 if that is more.
+    """How far r must at least go to meet the row that is missed by most; 1 if that is more, or it is missed by little.
 
     Raises:
         UndecidedError: one of them is not a finite number.
@@ -274,6 +280,8 @@ def _distance(rows: FloatArray) -> float:
     if not isfinite(sum(room)):
         raise UndecidedError("the state is far outside of everything")
     least = min(room)
+    if least > -FAR:
+        return 1.0
     a, b, c, d, _ = rows[:, room.index(least)].tolist()
     size = sqrt(a * a + b * b + c * c + d * d)
     return max(1.0, -least / size) if size > 0.0 else 1.0
