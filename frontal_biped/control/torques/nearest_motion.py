@@ -45,7 +45,7 @@ EXACT = 1e-9
 """By how much a row may be missed, in the units of the program."""
 
 FAR = 100.0
-"""By how much the row missed by most must be missed for the nearest point to be sought in other units than its own."""
+"""By how much a row must be missed for the nearest point to be far, in the units of the program."""
 
 AMPLE = 1e9
 """Stands for infinite room: a row that is never active."""
@@ -223,13 +223,13 @@ def _rows_of_forces(qp: WalkingQp) -> tuple[FloatArray, FloatArray, FloatArray]:
 def _nearest(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
     """(r, 1) of the point r nearest to the origin with rows'(r, 1) >= 0, rows (5, k), and multipliers (k,).
 
-    It is sought in units of the distance that the farthest row asks for, or rounding would hide a far one.
+    A far one is sought in units of the distance that the farthest row asks for, or rounding would hide it.
 
     Raises:
         NoFeasiblePointError: there is none.
         UndecidedError: it is not known to rounding.
     """
-    unit = _distance(rows)
+    unit = _unit(rows)
     scaled = rows
     if unit > 1.0:
         scaled = rows.copy()
@@ -270,8 +270,8 @@ def _missed(room: FloatArray, multipliers: FloatArray) -> float:
     return missed
 
 
-def _distance(rows: FloatArray) -> float:
-    """How far r must at least go to meet the row that is missed by most; 1 if that is more, or it is missed by little.
+def _unit(rows: FloatArray) -> float:
+    """The distance where a row is missed by `FAR` or more; 1 where none is.
 
     Raises:
         UndecidedError: one of them is not a finite number.
@@ -279,9 +279,11 @@ def _distance(rows: FloatArray) -> float:
     room = rows[ROOM].tolist()
     if not isfinite(sum(room)):
         raise UndecidedError("the state is far outside of everything")
-    least = min(room)
-    if least > -FAR:
-        return 1.0
-    a, b, c, d, _ = rows[:, room.index(least)].tolist()
+    return 1.0 if min(room) > -FAR else _distance(rows)
+
+
+def _distance(rows: FloatArray) -> float:
+    """How far r must at least go to meet the row that is missed by most, or 1 if that is more."""
+    a, b, c, d, room = rows[:, rows[ROOM].argmin()].tolist()
     size = sqrt(a * a + b * b + c * c + d * d)
-    return max(1.0, -least / size) if size > 0.0 else 1.0
+    return max(1.0, -room / size) if size > 0.0 else 1.0
