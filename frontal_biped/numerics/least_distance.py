@@ -5,21 +5,15 @@
 Its dual is a non-negative least-squares problem (Lawson and Hanson, Solving Least Squares Problems, Ch. 23), which
 SciPy solves by an active-set method. The active set it ends with is then solved to rounding. Unlike an interior or
 proximal method there is no tolerance: equal input gives equal digits.
-
-Of a dozen inequalities the checks around SciPy's compiled function take longer than its work, so it is called without
-them where this SciPy has it where it is looked for (`_compiled`); the digits are the same.
 """
 
-from collections.abc import Callable
 from functools import cache
-from importlib import import_module
-from math import isfinite
 
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
-from scipy.optimize import nnls
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.numerics.nonnegative import NOT_ENDED, Nnls, finite_nnls, for_numbers
 
 SWEEPS = 20
 """Iterations of the active-set method per constraint that can be active at which it is given up; it needs some two."""
@@ -36,37 +30,6 @@ class UndecidedError(NoFeasiblePointError):
     """Rounding does not let tell."""
 
 
-Nnls = Callable[[FloatArray, FloatArray, int], tuple[FloatArray, float, int]]
-"""Weights >= 0 (k,) of min |E weights - target|, the distance left, and `NOT_ENDED` or another number."""
-
-NOT_ENDED = 3
-
-
-def _checked(E: FloatArray, target: FloatArray, most: int) -> tuple[FloatArray, float, int]:
-    """By SciPy's public function.
-
-    Raises:
-        ValueError: an entry is not finite.
-    """
-    try:
-        return *nnls(E, target, maxiter=most), 0
-    except RuntimeError:
-        return np.zeros(E.shape[1]), 0.0, NOT_ENDED
-
-
-def _compiled() -> Nnls:
-    """What SciPy's public function calls after its checks; that function where it is not found or not as it was."""
-    try:
-        bare: Nnls = import_module("scipy.optimize._slsqplib").nnls
-        weights, distance, verdict = bare(np.diag([1.0, 2.0]), np.array([3.0, -4.0]), SWEEPS)
-    except (ImportError, AttributeError, TypeError, ValueError):
-        return _checked
-    return bare if (weights.tolist(), distance, verdict != NOT_ENDED) == ([3.0, 0.0], 4.0, True) else _checked
-
-
-_nnls = _compiled()
-
-
 def nearest_point(G: FloatArray, h: FloatArray) -> FloatArray:
     """Multipliers (k,) of the point y = G multipliers nearest to the origin of those with G'y >= h.
 
@@ -81,10 +44,10 @@ def nearest_point(G: FloatArray, h: FloatArray) -> FloatArray:
     n, k = G.shape
     E = np.empty((n + 1, k))
     E[:n], E[n] = G, h
-    return nearest_point_of(E, 1.0, 1.0, _nnls if isfinite(np.vdot(E, E)) else _checked)
+    return nearest_point_of(E, 1.0, 1.0, for_numbers(E))
 
 
-def nearest_point_of(E: FloatArray, unit: float = 1.0, side: float = -1.0, solve: Nnls = _nnls) -> FloatArray:
+def nearest_point_of(E: FloatArray, unit: float = 1.0, side: float = -1.0, solve: Nnls = finite_nnls) -> FloatArray:
     """The same with the inequalities E'(y, 1) >= 0, of finite numbers, and the multipliers times a unit.
 
     Args:
@@ -102,7 +65,7 @@ def nearest_point_of(E: FloatArray, unit: float = 1.0, side: float = -1.0, solve
     inside = distance * distance  # = 1 - h'weights, but without its rounding where it is small; 0: there is no point
     if inside <= EMPTY:
         raise NoFeasiblePointError("the inequalities contradict each other")
-    weights *= unit / inside
+    weights /= inside / unit
     return weights
 
 

@@ -94,7 +94,8 @@ class NearestMotion:
         # of the forces, and of the accelerations behind them where any row is of these
         self._rows = self.of_forces if self.joints is None else np.hstack([self.of_forces, self.of_ddq])
         self._columns = np.ascontiguousarray(self._rows.T)
-        self._overstepping = Overstepping(np.concatenate([weight, 2 * list(weights(qp.rows)[qp.rows.joint][limited])]))
+        of_joints = weights(qp.rows)[qp.rows.joint][limited]
+        self._overstepping = Overstepping(np.concatenate([weight, of_joints, of_joints]))
 
     def solve(self, dynamics: StanceDynamics, targets: Targets, linearising: Motion) -> Nearest | None:
         """The optimum at the state of the dynamics.

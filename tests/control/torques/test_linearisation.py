@@ -35,6 +35,18 @@ def test_residuals_are_what_their_name_says(biped, reference_gait, q, dq, r, p_f
     assert forces[2] - p_fri * forces[1] == pytest.approx(T_0 * r[3], abs=1e-10 * size)
 
 
+def test_no_residuals_where_the_decoupling_matrix_is_singular(biped, reference_gait):
+    """C03: the accelerations by them are infinite, or so large that no digits are left."""
+    state = reference_gait.state_after_impact()
+    dynamics = StanceModel(biped).at(State(*state))
+    targets = QpController(biped, reference_gait).targets(StepPhase.RISING, State(*state))[0]
+    momentum = dynamics.M[:, BASE:] @ np.concatenate([[1.0], targets.h_d1])
+    singular = momentum[2] / momentum[1]
+    for nearly in (0.0, 1e-14, -1e-14):
+        assert dynamics.by_residuals(targets._replace(p_fri=singular + nearly), 10.0, 20.0, np.zeros(4)) is None
+    assert dynamics.by_residuals(targets, 10.0, 20.0, np.zeros(4)) is not None
+
+
 @given(q=angles, dq=rates, other_q=angles, other_dq=rates)
 def test_a_state_is_evaluated_once_and_for_all(biped, reference_gait, q, dq, other_q, other_dq):
     """What is asked of one state does not depend on what is asked of others, before or in between."""
