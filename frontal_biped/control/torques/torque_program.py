@@ -82,7 +82,8 @@ class TorqueProgram:
     def __init__(self, biped: FrontalBiped, settings: ControllerSettings) -> None:
         price = settings.relaxation_price if settings.outputs == "clf" else None
         self.qp = WalkingQp(biped, WalkingLimits.of(biped, settings), price)
-        self._most_torque = self.qp.limits.contact.max_torque.tolist()
+        self._most_torque: list[float] = self.qp.limits.contact.max_torque.tolist()
+        self._least_torque = [-most for most in self._most_torque]
         self._stance = StanceModel(biped)
         self._exact = settings.solver != "proxqp"
         self._nearest = NearestMotion(self.qp)
@@ -146,9 +147,7 @@ class TorqueProgram:
     def _clipped(self, u: FloatArray) -> FloatArray:
         """The torques within the motors' limits to the last digit, whatever the tolerance they were found to."""
         # in plain numbers, as `tracking`
-        asked = zip(u.tolist(), self._most_torque, strict=True)
-        clipped = [most if torque > most else -most if torque < -most else torque for torque, most in asked]
-        return np.fromiter(clipped, float, JOINTS)
+        return np.fromiter(map(min, map(max, u.tolist(), self._least_torque), self._most_torque), float, JOINTS)
 
     def _by_proxqp(self, dynamics: StanceDynamics, targets: Targets) -> Answer | None:
         """ProxQP's answer, of the relaxed program where it finds none; None where it finds neither."""
