@@ -7,11 +7,13 @@ SciPy solves by an active-set method. The active set it ends with is then solved
 proximal method there is no tolerance: equal input gives equal digits.
 """
 
+from functools import cache
+
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
-from scipy.optimize import nnls
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.numerics.nonnegative import NOT_ENDED, Nnls, finite_nnls, for_numbers
 
 SWEEPS = 20
 """Iterations of the active-set method per constraint that can be active at which it is given up; it needs some two."""
@@ -40,20 +42,40 @@ def nearest_point(G: FloatArray, h: FloatArray) -> FloatArray:
         UndecidedError: the method did not end.
     """
     n, k = G.shape
-    if k == 0:
-        return np.zeros(0)  # SciPy 1.17 frees its memory twice when asked about nothing
     E = np.empty((n + 1, k))
     E[:n], E[n] = G, h
-    target = np.zeros(n + 1)
-    target[n] = 1.0
-    try:
-        weights, distance = nnls(E, target, maxiter=SWEEPS * (n + 1))
-    except RuntimeError as error:
-        raise UndecidedError("the active-set method did not end") from error
+    return nearest_point_of(E, 1.0, 1.0, for_numbers(E))
+
+
+def nearest_point_of(E: FloatArray, unit: float = 1.0, side: float = -1.0, solve: Nnls = finite_nnls) -> FloatArray:
+    """The same with the inequalities E'(y, 1) >= 0, of finite numbers, and the multipliers times a unit.
+
+    Args:
+        E: (n + 1, k), G above -h.
+        unit: that h and y are in.
+        side: 1 for G above h.
+        solve: the method for the dual.
+    """
+    n, k = E.shape
+    if k == 0:
+        return np.zeros(0)  # SciPy 1.17 frees its memory twice when asked about nothing
+    weights, distance, verdict = solve(E, _target(n, side), SWEEPS * n)
+    if verdict == NOT_ENDED:
+        raise UndecidedError("the active-set method did not end")
     inside = distance * distance  # = 1 - h'weights, but without its rounding where it is small; 0: there is no point
     if inside <= EMPTY:
         raise NoFeasiblePointError("the inequalities contradict each other")
-    return weights / inside
+    weights /= inside / unit
+    return weights
+
+
+@cache
+def _target(size: int, last: float) -> FloatArray:
+    """Zeros (size,) but for the last; never written to."""
+    target = np.zeros(size)
+    target[-1] = last
+    target.flags.writeable = False
+    return target
 
 
 def polished(G: FloatArray, h: FloatArray, multipliers: FloatArray) -> FloatArray:

@@ -9,7 +9,8 @@ so that a joint with dh + r h >= 0, h >= 0 never leaves its range; of the speed,
 ddq + 2 r dq <= 2 r dq_max. With that second rate, inside the ranges, some acceleration always meets all four bounds.
 """
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.torques.linearisation import Motion
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.state import State
+
+Numbers = TypeVar("Numbers", float, FloatArray)
 
 
 class ContactLimits(NamedTuple):
@@ -79,9 +82,16 @@ class JointLimits:
     def bounds(self, state: State) -> tuple[FloatArray, FloatArray]:
         """(4,) least and (4,) largest ddq [rad/s^2] at a state."""
         pull, drag = self.rate**2 * state.q, 2.0 * self.rate * state.dq
-        upper = np.minimum(self._upper - pull, self._velocity) - drag
-        lower = np.maximum(self._lower - pull, -self._velocity) - drag
-        return np.minimum(lower, upper), upper  # they cross only far outside a range
+        return _between(self._lower - pull, self._upper - pull, self._velocity, drag, np.minimum, np.maximum)
+
+    def bounds_of_joints(self, state: State) -> list[tuple[float, float]]:
+        """The same joint by joint, in plain numbers."""
+        q, dq = state
+        r, twice = self.rate**2, 2.0 * self.rate
+        return [
+            _between(lower - r * at, upper - r * at, fastest, twice * speed, min, max)
+            for (lower, upper, fastest), at, speed in zip(self._ranges, q.tolist(), dq.tolist(), strict=True)
+        ]
 
     def keeps(self, state: State, ddq: FloatArray) -> bool:
         """Is ddq (4,) [rad/s^2] within the bounds?"""
@@ -94,6 +104,20 @@ class JointLimits:
             if not (-fastest <= asked <= fastest and lower <= asked + r * at <= upper):
                 return False
         return True
+
+
+def _between(
+    lower: Numbers,
+    upper: Numbers,
+    fastest: Numbers,
+    drag: Numbers,
+    smaller: Callable[[Numbers, Numbers], Numbers],
+    larger: Callable[[Numbers, Numbers], Numbers],
+) -> tuple[Numbers, Numbers]:
+    """Least and largest ddq from r^2 times the distances to the ends of a range, 2 r dq_max and 2 r dq [rad/s^2]."""
+    most = smaller(upper, fastest) - drag
+    least = larger(lower, -fastest) - drag
+    return smaller(least, most), most  # they cross only far outside a range
 
 
 class WalkingLimits(NamedTuple):

@@ -5,7 +5,7 @@ The program (`walking_qp`) misses its four targets by the residuals
 .. math:: r = ((\ddot y - v) / a_0,\; (N_0 - p_{FRI} F_v) / T_0),
 
 and its cost is |r|^2 / 2. Accelerations and forces are affine in r (`linearisation`); r = 0 is the linearising motion.
-What remains are the limits, rows G r >= h: a least-distance problem, which `least_distance` solves exactly, in a few
+What remains are the limits (`limit_rows`): a least-distance problem, which `nearest_residuals` solves exactly, in a few
 small steps, or shows to have no solution.
 
 **With a control Lyapunov function** r is measured from v = 0 and the condition of decrease is one more row. Its
@@ -16,44 +16,32 @@ pulls with rho exactly, which is the same program without the row and with v = -
 least-distance problem too, and a second one has the limits moved by s.
 """
 
-from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
-from scipy.linalg.lapack import dposv
 
 from frontal_biped.arrays import FloatArray
+from frontal_biped.control.torques.limit_rows import LimitRows
 from frontal_biped.control.torques.linearisation import BODY_JOINTS, FRI, JOINTS, Motion, StanceDynamics, Targets
-from frontal_biped.control.torques.relaxation import Overstepping, weights
-from frontal_biped.control.torques.walking_qp import DDQ, FORCE, OUTPUT_ACCELERATION, VARIABLES, U, WalkingQp
+from frontal_biped.control.torques.nearest_residuals import ROOM, distance, nearest_residuals
+from frontal_biped.control.torques.relaxation import Overstepping
+from frontal_biped.control.torques.walking_qp import OUTPUT_ACCELERATION, WalkingQp
 from frontal_biped.model.biped import BASE
-from frontal_biped.model.state import State
-from frontal_biped.numerics.least_distance import NoFeasiblePointError, UndecidedError, nearest_point
-from frontal_biped.numerics.quadratic_program import UNBOUNDED
-
-EXACT = 1e-9
-"""By how much a row may be missed, in the units of the program."""
-
-NEVER = -1e9
-"""Stands for minus infinity: a row that is never active."""
-
-
-STEEP = 1e8
-"""Norm of the accelerations by the residuals [rad/s^2], above which I_P nearly vanishes: the linearising motion is as
-large, and what is left of it when the limits are kept has lost as many digits."""
+from frontal_biped.numerics.least_distance import NoFeasiblePointError, UndecidedError
 
 
 class Nearest(NamedTuple):
     """The optimum of the walking program.
 
     Attributes:
-        motion: accelerations and forces.
+        ddq: (4,) accelerations [rad/s^2].
+        forces: (7,) of `Motion` [N, N m].
         relaxation: delta of the control Lyapunov function [rad/s^2].
         violation: by how much limits are overstepped, in the units of the program [-]; 0 where none had to give way.
     """
 
-    motion: Motion
+    ddq: FloatArray
+    forces: FloatArray
     relaxation: float
     violation: float
 
@@ -65,35 +53,13 @@ class NearestMotion:
         qp: the program; its limits are used, and its units.
 
     Attributes:
-        joints: limits of the joints' motion, or None.
+        rows: its limits.
         torque_unit: of the FRI's residual, T_0 [N m].
-        of_forces: (k, 7) rows of the limits, in the units of the program, of the forces.
-        of_ddq: (k, 4) of the accelerations.
-        fixed: lower bounds of those of them that are the same at every tick; the joints' come behind.
     """
 
     def __init__(self, qp: WalkingQp) -> None:
-        self.joints, self._price, self.torque_unit = qp.limits.joints, qp.price, qp.torque_unit
-        contact, torque, *_ = qp.rows
-        fixed = slice(contact.start, torque.stop)  # of the program's rows those that are the same at every tick
-        program, weight = qp.fixed, weights(qp.rows)
-        C = program.C[fixed, :VARIABLES] / qp.scale
-        below, above = program.l[fixed] > -UNBOUNDED, program.u[fixed] < UNBOUNDED
-        rows = [C[below], -C[above]]
-        least, weight_of = [program.l[fixed][below], -program.u[fixed][above]], [weight[fixed][below]]
-        weight_of.append(weight[fixed][above])
-        if self.joints is not None:
-            limited = self.joints.limited
-            joint = np.zeros((len(limited), VARIABLES))
-            joint[:, DDQ] = np.eye(JOINTS)[limited] / OUTPUT_ACCELERATION
-            rows += [joint, -joint]
-            weight_of += 2 * [weight[qp.rows.joint][limited]]
-            self._limited = np.concatenate([limited, JOINTS + limited])
-        all_rows = np.concatenate(rows)
-        self.fixed, self.of_ddq = np.concatenate(least), np.ascontiguousarray(all_rows[:, DDQ])
-        of_moment = np.zeros((len(all_rows), 1))  # none: N_0 is not a variable of the program
-        self.of_forces = np.concatenate([all_rows[:, FORCE], of_moment, all_rows[:, U]], axis=1)
-        self._overstepping = Overstepping(np.concatenate(weight_of))
+        self.rows, self.torque_unit, self._price = LimitRows(qp), qp.torque_unit, qp.price
+        self._overstepping = Overstepping(self.rows.weight)
 
     def solve(self, dynamics: StanceDynamics, targets: Targets, linearising: Motion) -> Nearest | None:
         """The optimum at the state of the dynamics.
@@ -108,137 +74,70 @@ class NearestMotion:
         origin = linearising
         if targets.decrease is not None:  # from v = 0
             origin = dynamics.linearising(targets._replace(ddy=np.zeros(BODY_JOINTS))) or linearising
-        along = dynamics.along_residuals(targets, OUTPUT_ACCELERATION, self.torque_unit)
-        G, h = self._limits(dynamics, origin, along)
-        if not (isfinite(h.dot(h)) and np.vdot(along, along) < STEEP * STEEP):
+        motion = dynamics.by_residuals(targets, OUTPUT_ACCELERATION, self.torque_unit, origin.ddq)
+        if motion is None:
             return None
+        forces = dynamics.M[:, BASE:].dot(motion)  # both of (r, 1)
+        forces[:, JOINTS] = origin.forces
+        rows = self.rows.at(dynamics.state, motion, forces)
         try:
-            r, delta, violation = self._optimum_or_nearest(G, h, targets)
-        except NoFeasiblePointError:
+            r, delta = self._optimum(rows, targets)
+            violation = 0.0
+        except UndecidedError:
             return None
-        ddq = along.dot(r)
-        forces = dynamics.M[:, BASE:].dot(ddq)
-        ddq += origin.ddq
-        forces += origin.forces
-        return Nearest(Motion(ddq, forces), delta, violation)
+        except NoFeasiblePointError:
+            try:
+                r, delta, violation = self._giving_way(rows, targets)
+            except NoFeasiblePointError:
+                return None
+        return Nearest(motion.dot(r), forces.dot(r), delta, violation)
 
-    def _optimum_or_nearest(self, G: FloatArray, h: FloatArray, targets: Targets) -> tuple[FloatArray, float, float]:
-        """Residuals (4,), delta [rad/s^2] and violation [-]: with the limits as they are, or giving way as they must.
+    def _giving_way(self, rows: FloatArray, targets: Targets) -> tuple[FloatArray, float, float]:
+        """(r, 1), delta [rad/s^2] and violation [-] with limits that give way as they must.
 
         Raises:
-            NoFeasiblePointError: neither is known to rounding.
+            NoFeasiblePointError: it is not known to rounding.
         """
-        try:
-            return *self._optimum(G, h, targets), 0.0
-        except UndecidedError:
-            raise
-        except NoFeasiblePointError:
-            r, delta = self._optimum(G, h - self._least_overstepping(G, h, targets), targets)
-            return r, delta, max(0.0, _largest(h - G.dot(r)))
+        moved = rows.copy()
+        moved[ROOM] += self._least_overstepping(rows, targets)
+        r, delta = self._optimum(moved, targets)
+        return r, delta, max(0.0, -min(r.dot(rows).tolist()))
 
-    def _limits(self, dynamics: StanceDynamics, origin: Motion, along: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Rows G r >= h of all limits, G (k, 4), h (k,)."""
-        of_motion = self.of_forces.dot(dynamics.M[:, BASE:])  # by ddq, through the forces it takes and by itself
-        of_motion += self.of_ddq
-        h = self._least(dynamics.state) - self.of_forces.dot(origin.forces)
-        h -= self.of_ddq.dot(origin.ddq)
-        if self.joints is not None:
-            np.maximum(h, NEVER, out=h)
-        return of_motion.dot(along), h
-
-    def _least(self, state: State) -> FloatArray:
-        """(k,) lower bounds of the rows at a state; -inf of a joint without a limit on that side."""
-        if self.joints is None:
-            return self.fixed
-        lower, upper = self.joints.bounds(state)
-        bounds = np.concatenate([lower, -upper]).take(self._limited)
-        bounds /= OUTPUT_ACCELERATION
-        return np.concatenate([self.fixed, bounds])
-
-    def _optimum(self, G: FloatArray, h: FloatArray, targets: Targets) -> tuple[FloatArray, float]:
-        """Residuals (4,) and delta [rad/s^2] of the optimum under G r >= h.
+    def _optimum(self, rows: FloatArray, targets: Targets) -> tuple[FloatArray, float]:
+        """(r, 1) and delta [rad/s^2] of the optimum under rows'(r, 1) >= 0.
 
         Raises:
             NoFeasiblePointError: there is none.
             UndecidedError: it is not known to rounding.
         """
         if targets.decrease is None:
-            return _nearest(G, h)[0], 0.0
+            return nearest_residuals(rows)[0], 0.0
         n, b = targets.decrease
-        row = np.append(-n, 0.0)
+        decrease = np.array((*(-n).tolist(), 0.0, -b / OUTPUT_ACCELERATION))
         try:
-            r, multipliers = _nearest(np.vstack([G, row]), np.append(h, b / OUTPUT_ACCELERATION))
+            r, multipliers = nearest_residuals(np.column_stack([rows, decrease]))
             if multipliers[-1] <= self._price:
                 return r, 0.0
         except NoFeasiblePointError:  # not without relaxation
             pass
-        pulled = self._price * row
-        r = _nearest(G, h - G.dot(pulled))[0] + pulled
-        delta = b - OUTPUT_ACCELERATION * row.dot(r).item()
+        pulled = self._price * decrease
+        pulled[ROOM] = 0.0
+        moved = rows.copy()
+        moved[ROOM] += pulled.dot(rows)
+        r = nearest_residuals(moved)[0]
+        r += pulled
+        delta = b + OUTPUT_ACCELERATION * n.dot(r[:FRI]).item()
         if delta < 0.0:
             raise UndecidedError("neither with nor without relaxation")
         return r, delta
 
-    def _least_overstepping(self, G: FloatArray, h: FloatArray, targets: Targets) -> FloatArray:
+    def _least_overstepping(self, rows: FloatArray, targets: Targets) -> FloatArray:
         """(k,) by how much each limit gives way, a little more than it must.
 
         Raises:
             NoFeasiblePointError: rounding makes it look as if motors had to give way too.
         """
         if targets.decrease is not None:
-            h = h - G[:, :FRI].dot(targets.ddy) / OUTPUT_ACCELERATION
-        return self._overstepping.least(G, h, _distance(G, h))
-
-
-def _nearest(G: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The point r (4,) nearest to the origin with G r >= h, and multipliers (k,).
-
-    It is sought in units of the distance that the farthest row asks for, or rounding would hide a far one.
-
-    Raises:
-        NoFeasiblePointError: there is none.
-        UndecidedError: it is not known to rounding.
-    """
-    unit = _distance(G, h)
-    multipliers = nearest_point(G.T, h / unit)
-    multipliers *= unit
-    r = multipliers.dot(G)
-    active = multipliers.nonzero()[0]
-    room = G.dot(r)
-    room -= h
-    for shortest in (_by_normal_equations, _by_least_squares):  # the second is sought where the first is too rough
-        if _missed(room, active) <= EXACT:
-            return r, multipliers
-        r -= shortest(G.take(active, 0), room.take(active))
-        room = G.dot(r) - h
-    if _missed(room, active) > EXACT:
-        raise UndecidedError("the active rows are met to rounding only")
-    return r, multipliers
-
-
-def _by_normal_equations(rows: FloatArray, values: FloatArray) -> FloatArray:
-    """Shortest d (4,) with rows d = values; zero where the rows are dependent."""
-    _, weights, failed = dposv(rows.dot(rows.T), values)
-    return np.zeros(rows.shape[1]) if failed else np.asarray(weights.dot(rows))
-
-
-def _by_least_squares(rows: FloatArray, values: FloatArray) -> FloatArray:
-    """The same by singular values: slower, for rows however nearly dependent."""
-    return np.asarray(np.linalg.lstsq(rows, values, rcond=None)[0], dtype=float)
-
-
-def _missed(room: FloatArray, active: npt.NDArray[np.intp]) -> float:
-    """By how much G r - h is negative anywhere, or not zero where a row is active."""
-    return max(_largest(-room), _largest(room.take(active)) if active.size else 0.0)
-
-
-def _largest(values: FloatArray) -> float:
-    """Of a handful of numbers; NumPy's own `max` takes four times as long to begin."""
-    return values.item(values.argmax())
-
-
-def _distance(G: FloatArray, h: FloatArray) -> float:
-    """How far r must at least go to meet the row G r >= h that is missed by most, or 1 if that is more."""
-    i = h.argmax()
-    size = G[i].dot(G[i]).item() ** 0.5
-    return max(1.0, h.item(i) / size) if size > 0.0 else 1.0
+            rows = rows.copy()
+            rows[ROOM] += targets.ddy.dot(rows[:FRI]) / OUTPUT_ACCELERATION
+        return self._overstepping.least(rows, distance(rows))

@@ -20,7 +20,7 @@ import numpy as np
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.torques.linearisation import JOINTS
 from frontal_biped.control.torques.walking_qp import Rows
-from frontal_biped.numerics.least_distance import nearest_point
+from frontal_biped.numerics.least_distance import nearest_point_of
 from frontal_biped.numerics.quadratic_program import QuadraticProgram
 
 CONTACT_WEIGHT = 1.0
@@ -45,7 +45,7 @@ def weights(rows: Rows) -> FloatArray:
 
 
 class Overstepping:
-    """The least overstepping of rows G r >= h, to rounding; the cost of the task is |r|^2 / 2, r (4,).
+    """The least overstepping of limits rows'(r, 1) >= 0, to rounding; the cost of the task is |r|^2 / 2, r (4,).
 
     Args:
         weight: (k,) of the rows; inf: it never gives way.
@@ -54,23 +54,23 @@ class Overstepping:
     def __init__(self, weight: FloatArray) -> None:
         soft = np.flatnonzero(np.isfinite(weight))
         self._weight, self._gives_way = weight, np.isfinite(weight).astype(float)
-        self._rows = np.zeros((JOINTS + len(soft), len(weight)))
+        self._rows = np.zeros((JOINTS + len(soft) + 1, len(weight)))  # h goes below
         self._rows[JOINTS + np.arange(len(soft)), soft] = weight[soft] ** -0.5
 
-    def least(self, G: FloatArray, h: FloatArray, unit: float) -> FloatArray:
+    def least(self, limits: FloatArray, unit: float) -> FloatArray:
         """(k,) by how much the rows give way, a little more than they must.
 
         Args:
-            G: (k, 4).
-            h: (k,).
+            limits: (5, k).
             unit: size of r in which the cost is measured [-], as the walking program's is in units of its own size.
 
         Raises:
             NoFeasiblePointError: rounding makes it look as if motors had to give way too.
         """
         rows = self._rows.copy()
-        np.multiply(G.T, unit / TASK_WEIGHT**0.5, out=rows[:JOINTS])
-        s = nearest_point(rows, h)
+        np.multiply(limits[:JOINTS], unit / TASK_WEIGHT**0.5, out=rows[:JOINTS])
+        rows[-1] = limits[JOINTS]
+        s = nearest_point_of(rows)
         s /= self._weight
         s += _room(s) * self._gives_way
         return s
@@ -110,4 +110,4 @@ def violation(program: QuadraticProgram, x: FloatArray) -> float:
 
 
 def _room(s: FloatArray) -> float:
-    return SLACK * max(1.0, s.max().item())
+    return SLACK * max(1.0, *s.tolist())

@@ -95,6 +95,8 @@ class WalkingQp:
         torque_unit: T_0 [N m].
         price: rho, zero without a control Lyapunov function [-].
         fixed: the program without what changes from tick to tick.
+        moment: (10,) row of N_0 / T_0 in the program's variables.
+        moment_constant: what N_0 / T_0 has beside them [-].
     """
 
     def __init__(self, biped: FrontalBiped, limits: WalkingLimits, relaxation_price: float | None = None) -> None:
@@ -113,6 +115,7 @@ class WalkingQp:
         moment_row[ANKLE] = 1.0
         moment_row[F_H] = -biped.ankle_height * F_0 / T_0
         moment_constant = foot.mass * GRAVITY * float(foot.com[0]) / T_0
+        self.moment, self.moment_constant = moment_row, moment_constant
         # outputs and FRI: residual = task x - goal
         self._task = np.zeros((JOINTS, VARIABLES))
         self._task[:FRI, BODY] = np.eye(FRI) / OUTPUT_ACCELERATION

@@ -158,3 +158,13 @@ def test_the_program_keeps_what_the_gait_was_designed_for(biped, level_gait):
             inside &= sign * (constraint.values - bound) >= 0.0
     assert 0.05 * n < inside.sum() < 0.95 * n  # both answers occur
     assert [limits.keeps(column) for column in forces.T.tolist()] == inside.tolist()
+
+
+def test_bounds_joint_by_joint_are_the_same():
+    """Digit by digit, inside and far outside of ranges, with and without limits on a side."""
+    rng = np.random.default_rng(2)
+    lower, upper = np.array([-np.inf, -0.5, -1.0, -np.inf]), np.array([0.4, np.inf, 1.0, np.inf])
+    limits = JointLimits(lower, upper, np.array([3.0, np.inf, 5.0, np.inf]), 60.0)
+    for size in (0.1, 1.0, 100.0):
+        state = State(size * rng.normal(size=4), 10.0 * size * rng.normal(size=4))
+        assert np.array_equal(np.array(limits.bounds_of_joints(state)).T, np.array(limits.bounds(state)))

@@ -23,7 +23,7 @@ def test_residuals_are_what_their_name_says(biped, reference_gait, q, dq, r, p_f
     dynamics = StanceModel(biped).at(State(q, dq))
     targets = QpController(biped, reference_gait).targets(StepPhase.RISING, State(q, dq))[0]._replace(p_fri=p_fri)
     motion = dynamics.linearising(targets)
-    along = dynamics.along_residuals(targets, a_0, T_0)
+    along = dynamics.by_residuals(targets, a_0, T_0, motion.ddq)[:, :-1]
     forces_along = dynamics.M[:, BASE:] @ along
     k = along[0]
     assume(np.max(np.abs(k)) < 1e4)  # elsewhere I_P vanishes, and rounding grows as 1 / I_P
@@ -33,6 +33,18 @@ def test_residuals_are_what_their_name_says(biped, reference_gait, q, dq, r, p_f
     ddy = ddq[1:] - targets.h_d1 * ddq[0] - targets.h_d2_dbeta2
     assert_close(ddy - targets.ddy, a_0 * r[:3], 1e-9, floor=1.0 + np.max(np.abs(ddq)))
     assert forces[2] - p_fri * forces[1] == pytest.approx(T_0 * r[3], abs=1e-10 * size)
+
+
+def test_no_residuals_where_the_decoupling_matrix_is_singular(biped, reference_gait):
+    """C03: the accelerations by them are infinite, or so large that no digits are left."""
+    state = reference_gait.state_after_impact()
+    dynamics = StanceModel(biped).at(State(*state))
+    targets = QpController(biped, reference_gait).targets(StepPhase.RISING, State(*state))[0]
+    momentum = dynamics.M[:, BASE:] @ np.concatenate([[1.0], targets.h_d1])
+    singular = momentum[2] / momentum[1]
+    for nearly in (0.0, 1e-14, -1e-14):
+        assert dynamics.by_residuals(targets._replace(p_fri=singular + nearly), 10.0, 20.0, np.zeros(4)) is None
+    assert dynamics.by_residuals(targets, 10.0, 20.0, np.zeros(4)) is not None
 
 
 @given(q=angles, dq=rates, other_q=angles, other_dq=rates)
@@ -45,14 +57,14 @@ def test_a_state_is_evaluated_once_and_for_all(biped, reference_gait, q, dq, oth
     def everything(dynamics):
         motion = dynamics.linearising(targets)
         assume(motion is not None)
-        return dynamics.M, dynamics.bias, *motion, dynamics.along_residuals(targets, 10.0, 20.0)
+        return dynamics.M, dynamics.bias, *motion, dynamics.by_residuals(targets, 10.0, 20.0, motion.ddq)
 
     alone = everything(StanceModel(biped).at(state))
     first = model.at(state)
     kept = [part.copy() for part in everything(first)]
     second = model.at(other)
     second.linearising(theirs)
-    second.along_residuals(theirs, 10.0, 20.0)
+    second.by_residuals(theirs, 10.0, 20.0, dq)
     for part, again, fresh in zip(kept, everything(first), alone, strict=True):
         assert np.array_equal(part, again)
         assert np.array_equal(part, fresh)
@@ -75,7 +87,7 @@ def test_residuals_over_the_sway(biped, q, dq, r, p_fri):
     slope, curve = np.array([2.0, -3.0, 1.0]), np.array([0.5, -0.2, 0.1])
     targets = Targets(slope, curve * sway.rate**2, np.array([1.0, -2.0, 0.5]), p_fri, sway=sway)
     motion = dynamics.linearising(targets)
-    along = dynamics.along_residuals(targets, a_0, T_0)
+    along = dynamics.by_residuals(targets, a_0, T_0, motion.ddq)[:, :-1]
     forces_along = dynamics.M[:, BASE:] @ along
     assume(np.max(np.abs(along)) < 1e4)
     ddq, forces = motion.ddq + along @ r, motion.forces + forces_along @ r
