@@ -20,6 +20,8 @@ Before its start the rising orbit is continued as the pendulum that it is, past 
 acceleration.
 """
 
+from functools import cached_property
+
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
@@ -78,13 +80,17 @@ class SwayOrbit:
             heights.extend(float(biped.com(row)[1]) for row in q)
         self.omega = float(np.sqrt(GRAVITY / np.mean(heights)))
         self._decay = decay
-        up, down = self._s[StepPhase.RISING], self._s[StepPhase.FALLING]
-        self.reversal = 0.5 * float(up[0] + down[0])
+        self.reversal = 0.5 * float(self._s[StepPhase.RISING][0] + self._s[StepPhase.FALLING][0])
         self._first_fri = float(rising.motion.p_fri[np.argmax(rising.tau)])
         reversal_fri = float(rising.motion.p_fri[np.argmin(rising.tau)])
         self._turning = self.omega**2 * (self.reversal - reversal_fri)
+
+    @cached_property
+    def _from_rest(self) -> tuple[FloatArray, FloatArray]:
+        """Sways of rest [m] and times down from them [s]; only who asks for the time left pays for the table."""
+        down = self._s[StepPhase.FALLING]
         turns = np.append(np.linspace(self.reversal - BEYOND, float(down[0]), POINTS)[:-1], down)
-        self._from_rest = turns, np.array([self._fall(float(s), 0.0) for s in turns])
+        return turns, np.array([self._fall(float(s), 0.0) for s in turns])
 
     def energy(self, phase: StepPhase, s: float) -> float:
         """E [m^2/s^2] at a sway [m], beyond the phase's ends too; negative where the orbit does not come."""
