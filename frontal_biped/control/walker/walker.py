@@ -31,7 +31,7 @@ from frontal_biped.exceptions import SimulationError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.sideways import AnyGait, SidewaysGait, steps_in_turn
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.stance_map import Stance
+from frontal_biped.model.stance_map import Stance, relabel
 from frontal_biped.model.state import State
 from frontal_biped.virtual_constraints.swayed import runs_one_way
 
@@ -127,14 +127,15 @@ class Walker:
         self.stance = stance
         self.estimator.reset(stance, q, dq)
         self.phases.reset()
-        self._sent: deque[FloatArray] = deque(maxlen=self._on_the_way + 1)  # URDF order, the oldest acts now
+        # as `_in_stance` takes them, the oldest act now
+        self._sent: deque[tuple[Stance, FloatArray]] = deque(maxlen=self._on_the_way + 1)
         self._law.reset(stance)
 
     def tick(self, reading: Reading) -> WalkerCommand:
         """Torques for a reading, one period after the last."""
         estimator = self.estimator
         if self._sent:
-            estimator.predict(self._in_stance(self._sent[0]))
+            estimator.predict(self._in_stance(*self._sent[0]))
         event: PhaseEvent | None = None
         swing_touches = reading.contact[SWING[self.stance]]
         q, dq = measured_state(self.biped.stance_map, reading, self.stance)
@@ -148,7 +149,7 @@ class Walker:
             q, dq = measured_state(self.biped.stance_map, reading, self.stance)
         estimator.correct(q, dq)
 
-        q, dq = estimator.ahead(self._in_stance(tau) for tau in islice(self._sent, 1, None))
+        q, dq = estimator.ahead([self._in_stance(*sent) for sent in islice(self._sent, 1, None)])
         state = State(q, dq)
         if event is None:
             event = self.phases.turn(self._law.outwards(state))
@@ -157,8 +158,8 @@ class Walker:
         u = command.u
         tau = self.biped.stance_map.torques_to_urdf(u, self.stance)
         if not self._sent:  # nothing else was on its way
-            self._sent.extend([tau] * self._on_the_way)
-        self._sent.append(tau)
+            self._sent.extend([(self.stance, u)] * self._on_the_way)
+        self._sent.append((self.stance, u))
         return WalkerCommand(tau, phase, self.stance, u, q, dq, command.y, command.p_fri_target, command.solved, event)
 
     def counters(self) -> dict[str, int]:
@@ -173,8 +174,9 @@ class Walker:
             "scuffs": self.phases.scuffs,
         }
 
-    def _in_stance(self, tau: FloatArray) -> FloatArray:
-        return self.biped.stance_map.torques_to_stance(tau, self.stance)
+    def _in_stance(self, stance: Stance, u: FloatArray) -> FloatArray:
+        """Torques (4,) that were sent on a foot, for the present stance foot [N m]."""
+        return u if stance is self.stance else relabel(u)
 
 
 def _phase_variable(
