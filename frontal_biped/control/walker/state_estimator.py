@@ -95,9 +95,14 @@ class StateEstimator:
         self._remembered = {stance: np.zeros(4) for stance in Stance}
         self._stance, self._readings = stance, TABULATED - 1
 
-    def predict(self, u: FloatArray) -> None:
-        """One period on, under the torques u (4,) that were applied in it [N m]; a reading is to follow."""
-        self._estimate = self._advanced(self._estimate, u)
+    def predict(self, u: FloatArray, ddq: FloatArray | None = None) -> None:
+        """One period on, before a reading.
+
+        Args:
+            u: (4,) torques that were applied in it [N m].
+            ddq: (4,) the model's acceleration under them at the estimate, where it is known [rad/s^2].
+        """
+        self._estimate = self._advanced(self._estimate, u, ddq)
 
     def correct(self, q: FloatArray, dq: FloatArray | None = None) -> None:
         """Take a reading of q (4,) [rad], and of dq (4,) [rad/s] if there is one."""
@@ -134,11 +139,11 @@ class StateEstimator:
             estimate = _sensible(self._advanced(estimate, u))
         return estimate[0], estimate[1]
 
-    def _advanced(self, estimate: FloatArray, u: FloatArray) -> FloatArray:
+    def _advanced(self, estimate: FloatArray, u: FloatArray, ddq: FloatArray | None = None) -> FloatArray:
         """(3, 4) an estimate one period on, by a midpoint step with the error held."""
         aba, model, data, known = pin.aba, self._model, self._data, self._known
         known[:3] = estimate
-        known[3] = aba(model, data, *self._now, u)
+        known[3] = aba(model, data, *self._now, u) if ddq is None else ddq
         self._middle.dot(self._first, self._stage)
         known[4] = aba(model, data, *self._midway, u)
         after: FloatArray = self._end.dot(known)

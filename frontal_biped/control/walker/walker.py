@@ -14,7 +14,7 @@ from itertools import islice
 from math import inf
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.controller import QpController
+from frontal_biped.control.controller import CLOSED_FORM, QpController
 from frontal_biped.control.frontal_law import TURNED, FrontalLaw, FrontalSettings
 from frontal_biped.control.interface import PhaseEvent, Reading, WalkerCommand
 from frontal_biped.control.settings import ControllerSettings, sampled_frequency
@@ -129,13 +129,15 @@ class Walker:
         self.phases.reset()
         # as `_in_stance` takes them, the oldest act now
         self._sent: deque[tuple[Stance, FloatArray]] = deque(maxlen=self._on_the_way + 1)
+        # (4,) acceleration under what acts now [rad/s^2], of a command for the estimate as it is
+        self._expected: FloatArray | None = None
         self._law.reset(stance)
 
     def tick(self, reading: Reading) -> WalkerCommand:
         """Torques for a reading, one period after the last."""
         estimator = self.estimator
         if self._sent:
-            estimator.predict(self._in_stance(*self._sent[0]))
+            estimator.predict(self._in_stance(*self._sent[0]), self._expected)
         event: PhaseEvent | None = None
         swing_touches = reading.contact[SWING[self.stance]]
         q, dq = measured_state(self.biped.stance_map, reading, self.stance)
@@ -156,6 +158,9 @@ class Walker:
         phase = self.phases.phase
         command = self._law.command(phase, event, state, estimator.error)
         u = command.u
+        # of other sources the torques are cut to their limits, or held
+        closed_form = command.source is CLOSED_FORM
+        self._expected = command.ddq if closed_form and not self._on_the_way else None
         tau = self.biped.stance_map.torques_to_urdf(u, self.stance)
         if not self._sent:  # nothing else was on its way
             self._sent.extend([(self.stance, u)] * self._on_the_way)
