@@ -66,6 +66,7 @@ class SwayOrbit:
         self.duration = float(rising.duration + falling.duration)
         self._s: dict[StepPhase, FloatArray] = {}
         self._energy: dict[StepPhase, FloatArray] = {}
+        self._table: dict[StepPhase, tuple[float, float, list[float]]] = {}
         self.ranges: dict[StepPhase, float] = {}
         heights: list[float] = []
         for orbit in (rising, falling):
@@ -76,6 +77,8 @@ class SwayOrbit:
             grid = np.linspace(float(s.min()), float(s.max()), POINTS)
             self._s[orbit.kind] = grid
             self._energy[orbit.kind] = np.interp(grid, s[order], 0.5 * ds[order] ** 2)
+            # ends and energies in plain numbers, which a control tick looks up
+            self._table[orbit.kind] = grid.item(0), grid.item(-1), self._energy[orbit.kind].tolist()
             self.ranges[orbit.kind] = float(np.ptp(s))
             heights.extend(float(biped.com(row)[1]) for row in q)
         self.omega = float(np.sqrt(GRAVITY / np.mean(heights)))
@@ -94,18 +97,16 @@ class SwayOrbit:
 
     def energy(self, phase: StepPhase, s: float) -> float:
         """E [m^2/s^2] at a sway [m], beyond the phase's ends too; negative where the orbit does not come."""
-        grid = self._s[phase]
-        first, last = grid.item(0), grid.item(-1)
+        first, last, table = self._table[phase]
         if s < first:
-            return self._energy[phase].item(0) - self._turning * (first - s)
-        table = self._energy[phase]
+            return table[0] - self._turning * (first - s)
         if s <= last:  # between two points of the table, which are as far apart as any
             place = (s - first) / (last - first) * (POINTS - 1)
             before = min(int(place), POINTS - 2)
-            at = table.item(before)
-            return at + (place - before) * (table.item(before + 1) - at)
+            at = table[before]
+            return at + (place - before) * (table[before + 1] - at)
         p = self._first_fri
-        return table.item(-1) + 0.5 * self.omega**2 * ((s - p) ** 2 - (last - p) ** 2)
+        return table[-1] + 0.5 * self.omega**2 * ((s - p) ** 2 - (last - p) ** 2)
 
     def error(self, phase: StepPhase, s: float, ds: float) -> float:
         """e = ds^2/2 - E(s) [m^2/s^2]."""

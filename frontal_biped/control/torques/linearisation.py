@@ -163,7 +163,10 @@ class StanceDynamics(NamedTuple):
         F_H = m dds, for the foot is at rest.
         """
         J = self.M[F_H, BASE:] / mass
-        return Sway(self.M.item(N_0, F_V) / mass, J.dot(self.state.dq).item(), J, self.bias.item(F_H) / mass)
+        J_1, J_2, J_3, J_4 = J.tolist()
+        dq_1, dq_2, dq_3, dq_4 = self.state.dq.tolist()
+        rate = J_1 * dq_1 + J_2 * dq_2 + J_3 * dq_3 + J_4 * dq_4
+        return Sway(self.M.item(N_0, F_V) / mass, rate, J, self.bias.item(F_H) / mass)
 
 
 _OF_OUTPUTS = np.eye(JOINTS, k=-1)

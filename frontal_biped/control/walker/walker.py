@@ -151,7 +151,8 @@ class Walker:
             q, dq = measured_state(self.biped.stance_map, reading, self.stance)
         estimator.correct(q, dq)
 
-        q, dq = estimator.ahead([self._in_stance(*sent) for sent in islice(self._sent, 1, None)])
+        waiting = islice(self._sent, 1, None) if self._on_the_way else ()
+        q, dq = estimator.ahead([self._in_stance(*sent) for sent in waiting])
         state = State(q, dq)
         if event is None:
             event = self.phases.turn(self._law.outwards(state))
