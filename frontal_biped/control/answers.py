@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from math import isfinite
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,15 @@ _KINDS: Mapping[str, Mapping[str, Any]] = {
 """And of which class others are."""
 
 
-_SHAPES = {asked: [(name, (size,)) for name, size in numbers.items()] for asked, numbers in _NUMBERS.items()}
+_USUAL = {
+    asked: (
+        attrgetter(*numbers, *_KINDS[asked], "p_fri_target"),
+        [(size,) for size in numbers.values()],
+        list(_KINDS[asked].values()),
+    )
+    for asked, numbers in _NUMBERS.items()
+}
+"""The attributes of an answer in one look, the shapes of the arrays among them, and the classes of what follows."""
 
 
 def check_answer(answer: object, torques: str, count: int, asked: str, t: float, also: Iterable[str] = ()) -> None:
@@ -65,14 +74,18 @@ def _is_usual(answer: object, torques: object, shape: tuple[int], asked: str) ->
     """Is all of it there, and every number in an array of its own? What our own controllers give, told sooner."""
     if not (type(torques) is np.ndarray and torques.dtype is _NUMBER and torques.shape == shape):
         return False
-    for name, kind in _KINDS[asked].items():
-        if not isinstance(getattr(answer, name, _MISSING), kind):
-            return False
-    for name, size in _SHAPES[asked]:
-        values = getattr(answer, name, None)
+    look, shapes, kinds = _USUAL[asked]
+    try:
+        found = look(answer)
+    except AttributeError:
+        return False
+    for values, size in zip(found, shapes, strict=False):
         if not (type(values) is np.ndarray and values.dtype is _NUMBER and values.shape == size):
             return False
-    return hasattr(answer, "p_fri_target") and isfinite(sum(torques.tolist()))
+    for value, kind in zip(found[len(shapes) :], kinds, strict=False):
+        if not isinstance(value, kind):
+            return False
+    return isfinite(sum(torques.tolist()))
 
 
 def _refusal(answer: object, asked: str, t: float, name: str, wanted: str) -> ControllerError:

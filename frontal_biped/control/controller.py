@@ -234,13 +234,14 @@ class QpController:
             dynamics: at the state, where they are known already.
             line: `Targets.line` of the targets, where it is known already.
         """
-        if not _finite(state):
-            return self._without_a_state(phase, state)
         motion = None
         if dynamics is not None and line is not None:
+            # of a state that is not finite no motion keeps the limits
             command, motion = self._on_line(state, dynamics, line, y, dy, targets.p_fri)
             if command is not None:
                 return command
+        if not _finite(state):
+            return self._without_a_state(phase, state)
         return self._answered(phase, state, targets, y, dy, dynamics, motion)
 
     def _without_a_state(self, phase: StepPhase, state: State) -> Command:

@@ -34,10 +34,14 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
 from frontal_biped.model.sway import Sway
+from frontal_biped.numerics.between import between
 from frontal_biped.virtual_constraints.phase import StepPhase
 from frontal_biped.virtual_constraints.swayed import BegunPhase, OtherEnd, SwayedPhase
 from frontal_biped.zero_dynamics.poincare import StepOrbit
 from frontal_biped.zero_dynamics.sway_orbit import SwayOrbit
+
+RISING, FALLING = StepPhase.RISING, StepPhase.FALLING
+"""Kept: a member of an enumeration is a search, and every tick asks for them."""
 
 LEARNED = 0.2
 """Share of the sole, from the ankle to either end, that the learned offset may take [-]."""
@@ -103,12 +107,12 @@ class _SwayedStep:
     @classmethod
     def of(cls, biped: FrontalBiped, step: PlannedStep, planned: StepOrbit, decay: float) -> "_SwayedStep":
         phases = {
-            StepPhase.RISING: SwayedPhase(biped, step.rising),
-            StepPhase.FALLING: SwayedPhase(biped, step.falling),
+            RISING: SwayedPhase(biped, step.rising),
+            FALLING: SwayedPhase(biped, step.falling),
         }
         orbit = SwayOrbit(biped, planned.rising, planned.falling, decay)
-        energy_per_offset = 0.5 * orbit.ranges[StepPhase.FALLING] * orbit.omega**2
-        return cls(phases, orbit, orbit.half_way(StepPhase.FALLING), energy_per_offset)
+        energy_per_offset = 0.5 * orbit.ranges[FALLING] * orbit.omega**2
+        return cls(phases, orbit, orbit.half_way(FALLING), energy_per_offset)
 
 
 class FrontalLaw:
@@ -187,7 +191,7 @@ class FrontalLaw:
         self._fallen = bool(widening or self.widening or out_of_double_support)
         self._stance, self._since, self.widening = stance, 0.0, widening
         self._until_settled = self.settings.settle or np.inf
-        self._begin(StepPhase.RISING, sway, state)
+        self._begin(RISING, sway, state)
 
     def at(
         self,
@@ -208,7 +212,7 @@ class FrontalLaw:
         """
         self._until_settled -= self._period
         self._since += self._period
-        if self._begun is None or (self._until_settled <= 0.0 and phase is StepPhase.RISING):
+        if self._begun is None or (self._until_settled <= 0.0 and phase is RISING):
             self._until_settled = np.inf
             self._begin(phase, sway, state)
         elif event is not None and event is not PhaseEvent.LANDING:
@@ -219,13 +223,13 @@ class FrontalLaw:
             self._begun = phase_of.begun(sway.value, before.h_d, before.h_d1, self._end(phase))
         assert self._begun is not None
         shift = self._shift(phase, sway, unexplained)
-        if phase is StepPhase.FALLING:
+        if phase is FALLING:
             self._learn(sway)
             shift += self.offset[self._stance]
         asked = self._begun.at(sway.value)
         line, y, dy, ddy, curve = self._errors.at(*state, sway.rate, asked.h_d, asked.h_d1, asked.h_d2)
         outer, inner = self._sole
-        p_fri = min(max(asked.p_fri + shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
+        p_fri = between(SHIFT_ROOM * outer, asked.p_fri + shift, SHIFT_ROOM * inner)
         return FrontalTargets(Targets(asked.h_d1, curve, ddy, p_fri, sway=sway), y, dy, line)
 
     def _begin(self, phase: StepPhase, sway: Sway, state: State) -> None:
@@ -235,7 +239,7 @@ class FrontalLaw:
 
     def _end(self, phase: StepPhase) -> OtherEnd | None:
         """Where a phase is to end, if not as planned."""
-        if phase is StepPhase.RISING or not self.widening:
+        if phase is RISING or not self.widening:
             return None
         return OtherEnd(0.5 * self.widening, self.widths.pose_error(self.widening))
 
@@ -244,10 +248,10 @@ class FrontalLaw:
         left, orbit, further = self.orbit.left(phase, sway.value, sway.rate), self.orbit, 0.5 * self.widening
         if not further:
             return left
-        end = self._of_foot[self._stance].phases[StepPhase.FALLING].end
+        end = self._of_foot[self._stance].phases[FALLING].end
         if left == 0.0:
             return max(end + further - sway.value, 0.0) / max(sway.rate, SLOWEST)
-        speed = float(np.sqrt(2.0 * max(orbit.energy(StepPhase.FALLING, end + 0.5 * further), SLOWEST**2)))
+        speed = float(np.sqrt(2.0 * max(orbit.energy(FALLING, end + 0.5 * further), SLOWEST**2)))
         return max(left + further / speed, 0.0)
 
     def _shift(self, phase: StepPhase, sway: Sway, unexplained: float) -> float:
@@ -259,7 +263,7 @@ class FrontalLaw:
         if self._since > settings.blank:
             bias[stance] += self._period / settings.average * (unexplained - bias[stance])
         # the foot rocks after a landing, and the estimate with it
-        trust = min(max(self._since / settings.blank - 1.0, 0.0), 1.0)
+        trust = between(0.0, self._since / settings.blank - 1.0, 1.0)
         orbit = self.orbit
         length = phase.sign * settings.length * orbit.ranges[phase]
         wanted = trust * orbit.error(phase, sway.value, sway.rate) / length - bias[stance]
@@ -270,7 +274,7 @@ class FrontalLaw:
         if self._fallen or sway.value < step.half_way:
             return
         self._fallen = True
-        error = step.orbit.error(StepPhase.FALLING, sway.value, sway.rate)
+        error = step.orbit.error(FALLING, sway.value, sway.rate)
         orbit = 0.5 * sway.rate**2 - error
         self.mid_fall = abs(sway.rate) / float(np.sqrt(2.0 * orbit)) - 1.0 if orbit > 0.0 else float("nan")
         if not abs(self.mid_fall) < DISTURBED:

@@ -100,6 +100,12 @@ class StanceMap:
         return self._to_urdf(u, stance)
 
     @cached_property
+    def chain(self) -> dict[Stance, tuple[tuple[int, float, float], ...]]:
+        """Of the joints of the chain on a foot: place in `joint_names`, sense, and URDF angle upright [rad]."""
+        rows = list(zip(range(4), (_CHAIN_SIGN * self.axis_sign).tolist(), self.reference.tolist(), strict=True))
+        return {Stance.LEFT: tuple(rows), Stance.RIGHT: tuple(reversed(rows))}
+
+    @cached_property
     def _sign(self) -> dict[Stance, FloatArray]:
         """(4,) sense in which the chain from a stance foot counts each of its joints."""
         left = _CHAIN_SIGN * self.axis_sign

@@ -104,17 +104,20 @@ class Airborne:
 
     def __init__(self, period: float) -> None:
         self._period = period
-        self._time = dict.fromkeys(Stance, 0.0)
+        self._time = [0.0, 0.0]  # of the left and of the right foot
 
     def lands(self, foot: Stance) -> bool:
         """A foot is said to have landed: was it in the air for long enough?"""
-        if self._time[foot] < AIRBORNE:
+        side = 0 if foot is Stance.LEFT else 1
+        if self._time[side] < AIRBORNE:
             return False
-        self._time[foot] = 0.0
+        self._time[side] = 0.0
         return True
 
     def watch(self, touching: tuple[bool, bool]) -> None:
         """A period passes with the left and the right foot touching the ground or not."""
-        for side, touches in zip(self._time, touching, strict=True):
-            if not touches:
-                self._time[side] += self._period
+        left, right = touching
+        if not left:
+            self._time[0] += self._period
+        if not right:
+            self._time[1] += self._period

@@ -28,6 +28,7 @@ from scipy.interpolate import CubicSpline
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import SimulationError
 from frontal_biped.model.biped import FrontalBiped
+from frontal_biped.numerics.between import between
 from frontal_biped.virtual_constraints.phase import Phase
 
 POINTS = 81
@@ -88,6 +89,7 @@ class SwayedPhase:
     Attributes:
         start: sway where it is to begin [m].
         end: where it is to end [m].
+        cubics: (pieces, 4, 4) of each piece the coefficients, the highest power first, of joints and FRI target.
 
     Raises:
         SimulationError: the sway does not run one way along the phase.
@@ -104,25 +106,16 @@ class SwayedPhase:
         first, last = slopes[order[0]], slopes[order[-1]]
         spline = CubicSpline(s[order], along[order], bc_type=((1, first), (1, last)))
         self._knots = spline.x[1:-1].copy()
-        self._cubics = np.ascontiguousarray(spline.c.transpose(1, 0, 2))  # of a piece, the highest power first
+        self.cubics = np.ascontiguousarray(spline.c.transpose(1, 0, 2))
         self._first = spline.x[:-1].copy()
 
-    def path(self, s: float, scale: float = 1.0) -> FloatArray:
-        """(3, 4) joints and FRI target at a sway [m], their first and second derivatives with respect to s / scale.
+    def place(self, s: float) -> tuple[int, float]:
+        """Which of the cubics holds at a sway [m], and how far behind its beginning that is [m].
 
         SciPy's own evaluation answers arrays, and would take a quarter of a control tick for one point.
         """
         piece = int(self._knots.searchsorted(s))
-        d, k = s - self._first.item(piece), scale
-        # fmt: off
-        powers = (
-            d * d * d, d * d, d, 1.0,
-            3.0 * k * d * d, 2.0 * k * d, k, 0.0,
-            6.0 * k * k * d, 2.0 * k * k, 0.0, 0.0,
-        )
-        # fmt: on
-        along: FloatArray = np.array(powers).reshape(3, 4).dot(self._cubics[piece])
-        return along
+        return piece, s - self._first.item(piece)
 
     def begun_as_planned(self) -> "BegunPhase":
         """The phase as it was planned."""
@@ -178,13 +171,14 @@ class BegunPhase:
         # begun on its way, it is what is left of the plan
         self._from = s if 0.0 < sense * (s - planned.start) < sense * (planned.end - planned.start) else planned.start
         self._stretch = (planned.end - self._from) / self._length
-        self._errors = np.zeros((2, 4))  # none of the FRI target
-        self._errors[:, BODY] = error - other_end.error, slope_error
+        # what is added up: the cubic of a piece of the plan, and the errors, none of which is of the FRI target
+        self._piece, self._sum = -1, np.zeros((6, 4))
+        self._sum[4:, BODY] = error - other_end.error, slope_error
 
     def at(self, s: float) -> SwayTargets:
         """What is asked for at a sway s [m]."""
         u = (s - self._start) / self._length
-        inside = min(max(u, 0.0), 1.0)
+        inside = between(0.0, u, 1.0)
         targets = self._inside(inside)
         if u == inside:
             return targets
@@ -199,7 +193,9 @@ class BegunPhase:
 
     def _inside(self, u: float) -> SwayTargets:
         k, length = self._stretch, self._length
-        planned = self._planned.path(self._from + k * length * u, k)
+        piece, d = self._planned.place(self._from + k * length * u)
+        if piece != self._piece:
+            self._piece, self._sum[:4] = piece, self._planned.cubics[piece]
         w = 1.0 - u
         # the one error fades out as the other fades in: a(u) and 1 - a(u); that of the slope by b(x)
         a, a_1, a_2 = (1.0 + 2.0 * u) * w * w, -6.0 * u * w / length, (12.0 * u - 6.0) / length**2
@@ -208,8 +204,14 @@ class BegunPhase:
         if x < 1.0:
             w, short = 1.0 - x, SLOPE_SHARE * length
             b, b_1, b_2 = short * x * w * w, w * w - 2.0 * x * w, (2.0 * x - 4.0 * w) / short
-        h = np.array((a, b, a_1, b_1, a_2, b_2)).reshape(3, 2).dot(self._errors)
-        h += planned
+        # fmt: off
+        shares = (
+            d * d * d, d * d, d, 1.0, a, b,
+            3.0 * k * d * d, 2.0 * k * d, k, 0.0, a_1, b_1,
+            6.0 * k * k * d, 2.0 * k * k, 0.0, 0.0, a_2, b_2,
+        )
+        # fmt: on
+        h = np.array(shares).reshape(3, 6).dot(self._sum)
         if self._end_error is not None:
             h[0, BODY] += self._end_error
         return SwayTargets(h[0, BODY], h[1, BODY], h[2, BODY], h.item(3))

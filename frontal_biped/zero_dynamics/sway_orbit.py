@@ -20,6 +20,8 @@ Before its start the rising orbit is continued as the pendulum that it is, past 
 acceleration.
 """
 
+from functools import cached_property
+
 import numpy as np
 
 from frontal_biped.arrays import FloatArray
@@ -64,6 +66,7 @@ class SwayOrbit:
         self.duration = float(rising.duration + falling.duration)
         self._s: dict[StepPhase, FloatArray] = {}
         self._energy: dict[StepPhase, FloatArray] = {}
+        self._table: dict[StepPhase, tuple[float, float, list[float]]] = {}
         self.ranges: dict[StepPhase, float] = {}
         heights: list[float] = []
         for orbit in (rising, falling):
@@ -74,32 +77,36 @@ class SwayOrbit:
             grid = np.linspace(float(s.min()), float(s.max()), POINTS)
             self._s[orbit.kind] = grid
             self._energy[orbit.kind] = np.interp(grid, s[order], 0.5 * ds[order] ** 2)
+            # ends and energies in plain numbers, which a control tick looks up
+            self._table[orbit.kind] = grid.item(0), grid.item(-1), self._energy[orbit.kind].tolist()
             self.ranges[orbit.kind] = float(np.ptp(s))
             heights.extend(float(biped.com(row)[1]) for row in q)
         self.omega = float(np.sqrt(GRAVITY / np.mean(heights)))
         self._decay = decay
-        up, down = self._s[StepPhase.RISING], self._s[StepPhase.FALLING]
-        self.reversal = 0.5 * float(up[0] + down[0])
+        self.reversal = 0.5 * float(self._s[StepPhase.RISING][0] + self._s[StepPhase.FALLING][0])
         self._first_fri = float(rising.motion.p_fri[np.argmax(rising.tau)])
         reversal_fri = float(rising.motion.p_fri[np.argmin(rising.tau)])
         self._turning = self.omega**2 * (self.reversal - reversal_fri)
+
+    @cached_property
+    def _from_rest(self) -> tuple[FloatArray, FloatArray]:
+        """Sways of rest [m] and times down from them [s]; only who asks for the time left pays for the table."""
+        down = self._s[StepPhase.FALLING]
         turns = np.append(np.linspace(self.reversal - BEYOND, float(down[0]), POINTS)[:-1], down)
-        self._from_rest = turns, np.array([self._fall(float(s), 0.0) for s in turns])
+        return turns, np.array([self._fall(float(s), 0.0) for s in turns])
 
     def energy(self, phase: StepPhase, s: float) -> float:
         """E [m^2/s^2] at a sway [m], beyond the phase's ends too; negative where the orbit does not come."""
-        grid = self._s[phase]
-        first, last = grid.item(0), grid.item(-1)
+        first, last, table = self._table[phase]
         if s < first:
-            return self._energy[phase].item(0) - self._turning * (first - s)
-        table = self._energy[phase]
+            return table[0] - self._turning * (first - s)
         if s <= last:  # between two points of the table, which are as far apart as any
             place = (s - first) / (last - first) * (POINTS - 1)
             before = min(int(place), POINTS - 2)
-            at = table.item(before)
-            return at + (place - before) * (table.item(before + 1) - at)
+            at = table[before]
+            return at + (place - before) * (table[before + 1] - at)
         p = self._first_fri
-        return table.item(-1) + 0.5 * self.omega**2 * ((s - p) ** 2 - (last - p) ** 2)
+        return table[-1] + 0.5 * self.omega**2 * ((s - p) ** 2 - (last - p) ** 2)
 
     def error(self, phase: StepPhase, s: float, ds: float) -> float:
         """e = ds^2/2 - E(s) [m^2/s^2]."""

@@ -78,10 +78,11 @@ class Targets(NamedTuple):
 
     def slope(self) -> FloatArray:
         """(4,) c of the line alone."""
-        c = np.array((1.0, *self.h_d1.tolist()))
-        if self.sway is not None:
-            c[0] = (1.0 - self.sway.J[1:].dot(self.h_d1).item()) / self.sway.J.item(0)
-        return c
+        c_2, c_3, c_4 = self.h_d1.tolist()
+        if self.sway is None:
+            return np.array((1.0, c_2, c_3, c_4))
+        J_1, J_2, J_3, J_4 = self.sway.J.tolist()
+        return np.array(((1.0 - (J_2 * c_2 + J_3 * c_3 + J_4 * c_4)) / J_1, c_2, c_3, c_4))
 
     def of_outputs(self) -> FloatArray:
         """(4, 4) accelerations that the outputs' residuals take at an unchanged rate of the phase's variable."""
@@ -94,9 +95,10 @@ class Targets(NamedTuple):
 
 def over_sway(line: FloatArray, sway: Sway) -> FloatArray:
     """The line of outputs over the sway, of that over beta (2, 4), which is written over: the ankle follows from J."""
-    J_1, J_body, a, c = sway.J.item(0), sway.J[1:], line[0, 1:], line[1, 1:]
-    line[0, 0] = -(sway.drift + J_body.dot(a).item()) / J_1
-    line[1, 0] = (1.0 - J_body.dot(c).item()) / J_1
+    J_1, J_2, J_3, J_4 = sway.J.tolist()  # plain numbers: three of them are faster than a call of NumPy
+    (_, a_2, a_3, a_4), (_, c_2, c_3, c_4) = line.tolist()
+    line[0, 0] = -(sway.drift + (J_2 * a_2 + J_3 * a_3 + J_4 * a_4)) / J_1
+    line[1, 0] = (1.0 - (J_2 * c_2 + J_3 * c_3 + J_4 * c_4)) / J_1
     return line
 
 
@@ -183,7 +185,10 @@ class StanceDynamics(NamedTuple):
         F_H = m dds, for the foot is at rest.
         """
         J = self.M[F_H, BASE:] / mass
-        return Sway(self.M.item(N_0, F_V) / mass, J.dot(self.state.dq).item(), J, self.bias.item(F_H) / mass)
+        J_1, J_2, J_3, J_4 = J.tolist()
+        dq_1, dq_2, dq_3, dq_4 = self.state.dq.tolist()
+        rate = J_1 * dq_1 + J_2 * dq_2 + J_3 * dq_3 + J_4 * dq_4
+        return Sway(self.M.item(N_0, F_V) / mass, rate, J, self.bias.item(F_H) / mass)
 
 
 _OF_OUTPUTS = np.eye(JOINTS, k=-1)

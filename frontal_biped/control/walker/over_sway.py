@@ -60,7 +60,7 @@ class OverSway:
         if self._last is not None:
             # what the ankle's moment does not explain, along the virtual constraints: I_P x'' = moment
             c, p_fri = self._last
-            along = dynamics.M[:, BASE:].dot(c)
+            along = c.dot(dynamics.M[BASE:])  # M is symmetric
             I_P = along.item(N_0) - p_fri * along.item(F_V)
             error = dynamics.M[BASE, BASE:].dot(unexplained).item() / I_P
         wanted = self.law.at(phase, state, sway, event, error)

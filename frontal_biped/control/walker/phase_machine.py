@@ -14,6 +14,9 @@ from dataclasses import dataclass
 from frontal_biped.control.interface import PhaseEvent
 from frontal_biped.virtual_constraints.phase import StepPhase
 
+RISING, FALLING = StepPhase.RISING, StepPhase.FALLING
+"""Kept: a member of an enumeration is a search, and every tick asks for them."""
+
 
 @dataclass(frozen=True)
 class PhaseSettings:
@@ -62,7 +65,7 @@ class PhaseMachine:
 
     def reset(self) -> None:
         """Right after a landing."""
-        self.phase = StepPhase.RISING
+        self.phase = RISING
         self._since = 0.0
         self._touching = self._free = 0.0
         self._scuffing = False  # is the present touch counted as one?
@@ -91,7 +94,7 @@ class PhaseMachine:
         self._lifted |= self._free > settings.lifted
         if not touches or not self._lifted or clearance > settings.plausible:
             return False
-        rising = self.phase is StepPhase.RISING
+        rising = self.phase is RISING
         if rising and not self._scuffing:
             self.scuffs += 1
             self._scuffing = True
@@ -111,10 +114,10 @@ class PhaseMachine:
         self._since += self.period
         if self._since < self.settings.dwell:
             return None
-        if self.phase is StepPhase.RISING and rate < -self.settings.rate:
-            self.phase, self._since = StepPhase.FALLING, 0.0
+        if self.phase is RISING and rate < -self.settings.rate:
+            self.phase, self._since = FALLING, 0.0
             return PhaseEvent.REVERSAL
-        if self.phase is StepPhase.FALLING and rate > self.settings.rate:
-            self.phase, self._since = StepPhase.RISING, 0.0
+        if self.phase is FALLING and rate > self.settings.rate:
+            self.phase, self._since = RISING, 0.0
             return PhaseEvent.TURNED_OUTWARDS
         return None

@@ -22,7 +22,7 @@ import numpy as np
 import pinocchio as pin
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.walker.estimator_gains import TABULATED, EstimatorSettings, gain_table
+from frontal_biped.control.walker.estimator_gains import TABULATED, EstimatorSettings, joint_gains
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.chain import UPRIGHT
 from frontal_biped.model.impact import impact
@@ -53,13 +53,11 @@ class StateEstimator:
         torque = 0.3 * biped.weight * biped.sole[1]
         turned = torque * (period + delay) / float(biped.D(np.full(4, UPRIGHT))[3, 3])
         foot = replace(chosen, impact_velocity=max(chosen.impact_velocity, turned), blind=0.0)
-        alone, both = (
-            np.stack([gain_table(one, period, rates) for one in (chosen, chosen, chosen, foot)], -1)
-            for rates in (False, True)
-        )
-        # (TABULATED, 3, 4) of readings of positions alone, and of positions and velocities
-        self._positions_alone = alone[:, :, 0].copy()
-        self._positions, self._velocities = both[:, :, 0].copy(), both[:, :, 1].copy()
+        joints = (chosen, chosen, chosen, foot)
+        # after every number of readings, of positions alone, and of positions and velocities
+        self._by_positions, self._by_both = (list(joint_gains(joints, period, rates)) for rates in (False, True))
+        self._off = np.zeros((2, 4))  # readings from the estimate: positions and velocities
+        self._off_position, self._off_velocity, self._off_both = *self._off, self._off.reshape(8)
         half = 0.5 * period
         # of the rows q, dq, the error, and the model's accelerations at the beginning and in the middle
         self._middle = np.array([[1.0, half, 0.0, 0.0], [0.0, 1.0, half, half]])
@@ -70,7 +68,9 @@ class StateEstimator:
                 [0.0, 0.0, 1.0, 0.0, 0.0],
             ]
         )
-        self._known = np.zeros((5, 4))
+        self._known, self._stage = np.zeros((5, 4)), np.zeros((2, 4))
+        self._first = self._known[:4]  # what is known before the middle; views, as the next are, made once
+        self._now, self._midway = tuple(self._known[:2]), tuple(self._stage)
         self.reset(Stance.LEFT, np.zeros(4), np.zeros(4))
         self._readings = 0
 
@@ -95,21 +95,32 @@ class StateEstimator:
         self._remembered = {stance: np.zeros(4) for stance in Stance}
         self._stance, self._readings = stance, TABULATED - 1
 
-    def predict(self, u: FloatArray) -> None:
-        """One period on, under the torques u (4,) that were applied in it [N m]."""
-        self._estimate = self._advanced(self._estimate, u)
+    def predict(self, u: FloatArray, ddq: FloatArray | None = None) -> None:
+        """One period on, before a reading.
+
+        Args:
+            u: (4,) torques that were applied in it [N m].
+            ddq: (4,) the model's acceleration under them at the estimate, where it is known [rad/s^2].
+        """
+        self._estimate = self._advanced(self._estimate, u, ddq)
 
     def correct(self, q: FloatArray, dq: FloatArray | None = None) -> None:
         """Take a reading of q (4,) [rad], and of dq (4,) [rad/s] if there is one."""
         at = min(self._readings, TABULATED - 1)
         self._readings += 1
+        estimate = self._estimate
+        np.subtract(q, estimate[0], self._off_position)
         if dq is None:
-            steps = self._positions_alone[at] * (q - self.q)
+            gains, off = self._by_positions[at], self._off_position
         else:
-            steps = self._positions[at] * (q - self.q)
-            steps += self._velocities[at] * (dq - self.dq)
-        steps += self._estimate
-        self._estimate = _sensible(steps)
+            gains, off = self._by_both[at], self._off_both
+            np.subtract(dq, estimate[1], self._off_velocity)
+        corrected = gains.dot(off)
+        corrected += estimate.reshape(12)
+        if not _are_sensible(corrected):
+            # what is infinite is so of one joint, which the zeros of a matrix do not see to
+            corrected = _sensible(gains.dot(_sensible(off)) + estimate.reshape(12))
+        self._estimate = corrected.reshape(3, 4)
 
     def land(self) -> None:
         """The swing foot lands and becomes the stance foot; if it lands tilted, the leg keeps its absolute angle."""
@@ -125,21 +136,25 @@ class StateEstimator:
         """q and dq after torques (4,) [N m] that are on their way, each held for a period."""
         estimate = self._estimate
         for u in torques:
-            estimate = self._advanced(estimate, u)
+            estimate = _sensible(self._advanced(estimate, u))
         return estimate[0], estimate[1]
 
-    def _advanced(self, estimate: FloatArray, u: FloatArray) -> FloatArray:
+    def _advanced(self, estimate: FloatArray, u: FloatArray, ddq: FloatArray | None = None) -> FloatArray:
         """(3, 4) an estimate one period on, by a midpoint step with the error held."""
-        known = self._known
+        aba, model, data, known = pin.aba, self._model, self._data, self._known
         known[:3] = estimate
-        known[3] = pin.aba(self._model, self._data, known[0], known[1], u)
-        middle = self._middle.dot(known[:4])
-        known[4] = pin.aba(self._model, self._data, middle[0], middle[1], u)
-        return _sensible(self._end.dot(known))
+        known[3] = aba(model, data, *self._now, u) if ddq is None else ddq
+        self._middle.dot(self._first, self._stage)
+        known[4] = aba(model, data, *self._midway, u)
+        after: FloatArray = self._end.dot(known)
+        return after
 
 
 def _sensible(values: FloatArray) -> FloatArray:
     """Values that can be reckoned with, whatever a broken sensor says: none beyond `LARGEST`."""
-    if np.vdot(values, values) <= LARGEST**2:  # all of them, then, which is told in half the time
-        return values
-    return np.minimum(np.maximum(values, -LARGEST), LARGEST)
+    return values if _are_sensible(values) else np.minimum(np.maximum(values, -LARGEST), LARGEST)
+
+
+def _are_sensible(values: FloatArray) -> bool:
+    """Is even their sum of squares small? It is told in half the time, and true of all that robots do."""
+    return bool(np.vdot(values, values) <= LARGEST**2)

@@ -14,7 +14,7 @@ from itertools import islice
 from math import inf
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.controller import QpController
+from frontal_biped.control.controller import CLOSED_FORM, QpController
 from frontal_biped.control.frontal_law import TURNED, FrontalLaw, FrontalSettings
 from frontal_biped.control.interface import PhaseEvent, Reading, WalkerCommand
 from frontal_biped.control.settings import ControllerSettings, sampled_frequency
@@ -31,7 +31,7 @@ from frontal_biped.exceptions import SimulationError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.sideways import AnyGait, SidewaysGait, steps_in_turn
 from frontal_biped.model.biped import FrontalBiped
-from frontal_biped.model.stance_map import Stance
+from frontal_biped.model.stance_map import Stance, relabel
 from frontal_biped.model.state import State
 from frontal_biped.virtual_constraints.swayed import runs_one_way
 
@@ -127,14 +127,17 @@ class Walker:
         self.stance = stance
         self.estimator.reset(stance, q, dq)
         self.phases.reset()
-        self._sent: deque[FloatArray] = deque(maxlen=self._on_the_way + 1)  # URDF order, the oldest acts now
+        # as `_in_stance` takes them, the oldest act now
+        self._sent: deque[tuple[Stance, FloatArray]] = deque(maxlen=self._on_the_way + 1)
+        # (4,) acceleration under what acts now [rad/s^2], of a command for the estimate as it is
+        self._expected: FloatArray | None = None
         self._law.reset(stance)
 
     def tick(self, reading: Reading) -> WalkerCommand:
         """Torques for a reading, one period after the last."""
         estimator = self.estimator
         if self._sent:
-            estimator.predict(self._in_stance(self._sent[0]))
+            estimator.predict(self._in_stance(*self._sent[0]), self._expected)
         event: PhaseEvent | None = None
         swing_touches = reading.contact[SWING[self.stance]]
         q, dq = measured_state(self.biped.stance_map, reading, self.stance)
@@ -148,17 +151,21 @@ class Walker:
             q, dq = measured_state(self.biped.stance_map, reading, self.stance)
         estimator.correct(q, dq)
 
-        q, dq = estimator.ahead(self._in_stance(tau) for tau in islice(self._sent, 1, None))
+        waiting = islice(self._sent, 1, None) if self._on_the_way else ()
+        q, dq = estimator.ahead([self._in_stance(*sent) for sent in waiting])
         state = State(q, dq)
         if event is None:
             event = self.phases.turn(self._law.outwards(state))
         phase = self.phases.phase
         command = self._law.command(phase, event, state, estimator.error)
         u = command.u
+        # of other sources the torques are cut to their limits, or held
+        closed_form = command.source is CLOSED_FORM
+        self._expected = command.ddq if closed_form and not self._on_the_way else None
         tau = self.biped.stance_map.torques_to_urdf(u, self.stance)
         if not self._sent:  # nothing else was on its way
-            self._sent.extend([tau] * self._on_the_way)
-        self._sent.append(tau)
+            self._sent.extend([(self.stance, u)] * self._on_the_way)
+        self._sent.append((self.stance, u))
         return WalkerCommand(tau, phase, self.stance, u, q, dq, command.y, command.p_fri_target, command.solved, event)
 
     def counters(self) -> dict[str, int]:
@@ -173,8 +180,9 @@ class Walker:
             "scuffs": self.phases.scuffs,
         }
 
-    def _in_stance(self, tau: FloatArray) -> FloatArray:
-        return self.biped.stance_map.torques_to_stance(tau, self.stance)
+    def _in_stance(self, stance: Stance, u: FloatArray) -> FloatArray:
+        """Torques (4,) that were sent on a foot, for the present stance foot [N m]."""
+        return u if stance is self.stance else relabel(u)
 
 
 def _phase_variable(

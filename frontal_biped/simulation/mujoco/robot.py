@@ -75,10 +75,9 @@ class MujocoRobot:
         # views of MuJoCo's own arrays, which stay where they are: asking its data for them costs more than reading
         self._qpos, self._qvel, self._xpos = self.data.qpos, self.data.qvel, self.data.xpos
         self._center_of_mass = self.data.subtree_com[self._bodies["pelvis"]]
-        self._applied, self._acts = self.data.qfrc_applied, np.zeros(self.model.nv)
+        self._applied, self._pushed = self.data.qfrc_applied, False
         self._turns = dict(zip(Stance, self._ankle_turns(), strict=True))
         self._touching: tuple[bool, bool] | None = None
-        self._wrench = np.zeros(6)
 
     def _ankle_turns(self) -> tuple[list[_Turn], list[_Turn]]:
         """The two joints of either leg, by which its foot turns against the pelvis."""
@@ -153,22 +152,21 @@ class MujocoRobot:
     @property
     def height(self) -> float:
         """Height of the centre of mass above z = 0 [m]."""
-        return self._com().item(2)
+        return self._center_of_mass.item(2)
 
     def com_offset(self, stance: Stance) -> float:
         """Where the centre of mass is along h, from a foot's ankle [m]."""
-        along_y = float(self._com()[1]) - self.foot_position(stance)[0]
+        along_y = self._center_of_mass.item(1) - self.foot_position(stance)[0]
         return -stance.sign * along_y  # h points from the stance foot towards the swing foot
-
-    def _com(self) -> FloatArray:
-        return self._center_of_mass
 
     # ------------------------------------------------------------------ motion
     def run(self, tau: FloatArray, steps: int, pushes: list[tuple[float, float]]) -> None:
         """Physics steps under joint torques (4,) [N m] and pushes, pairs of force to the left and height [N, m]."""
         data, self._touching = self.data, None
-        self._acts[self._v_at] = tau
-        self._applied[:] = self._acts
+        if self._pushed:  # a push leaves its share on every joint
+            self._applied[:] = 0.0
+        self._pushed = bool(pushes)
+        self._applied.put(self._v_at, tau)
         for force, height in pushes:
             pelvis = self._bodies["pelvis"]
             up = data.xmat[pelvis].reshape(3, 3) @ self._up_in_pelvis()
@@ -194,20 +192,21 @@ class MujocoRobot:
 
     def load(self, stance: Stance) -> FootLoad:
         """What the ground does to a foot."""
-        model, data, sole = self.model, self.data, self._soles[stance]
-        foot_y, _ = self.foot_position(stance)
+        sole, ground, foot_y = self._soles[stance], self.ground(stance), self._xpos.item(self._feet[stance], 1)
         force_y = force_z = moment = 0.0
-        ground = self.ground(stance)
-        contact = data.contact
-        frames, places = contact.frame.reshape(-1, 3, 3), contact.pos.tolist()
-        for i, (_, touching) in enumerate(contact.geom.tolist()):
-            if touching != sole:
+        contact, solved = self.data.contact, self.data.efc_force.tolist()
+        rows = zip(contact.geom.tolist(), contact.efc_address.tolist(), contact.pos, contact.frame, strict=True)
+        for (_, touching), first, place, frame in rows:
+            if touching != sole or first < 0:
                 continue
-            self._mujoco.mj_contactForce(model, data, i, self._wrench)
-            _, F_y, F_z = self._wrench[:3].dot(frames[i]).tolist()
-            y, z = places[i][1] - foot_y, places[i][2] - ground
+            # of a cone with sliding friction the solver keeps the force along the normal and two tangents
+            along_normal, along_1, along_2 = solved[first : first + 3]
+            _, y, z = place.tolist()
+            _, n_y, n_z, _, a_y, a_z, _, b_y, b_z = frame.tolist()
+            F_y = along_normal * n_y + along_1 * a_y + along_2 * b_y
+            F_z = along_normal * n_z + along_1 * a_z + along_2 * b_z
             force_y, force_z = force_y + F_y, force_z + F_z
-            moment += y * F_z - z * F_y
+            moment += (y - foot_y) * F_z - (z - ground) * F_y
         return FootLoad(force_y, force_z, moment)
 
     def reaction(self, stance: Stance) -> Reaction:
@@ -222,10 +221,8 @@ class MujocoRobot:
 
     def foot_rotation(self, stance: Stance) -> float:
         """Rotation of a foot about +X [rad]."""
-        qpos = self._qpos
-        rotation = qpos.item(self._roll_q)
-        for place, sign, reference in self._turns[stance]:
-            rotation += sign * (qpos.item(place) - reference)
+        qpos, ((a, sign_a, zero_a), (b, sign_b, zero_b)) = self._qpos.tolist(), self._turns[stance]
+        rotation: float = qpos[self._roll_q] + sign_a * (qpos[a] - zero_a) + sign_b * (qpos[b] - zero_b)
         return rotation
 
     def clearance(self, stance: Stance) -> float:

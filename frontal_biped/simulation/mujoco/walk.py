@@ -90,9 +90,9 @@ class MujocoEngine(MujocoRobot):
 
     def read(self, t: float) -> Reading:
         """True values of everything a sensor measures."""
-        return Reading(
-            t, self.joint_positions, self.joint_velocities, self.base_roll, self.base_roll_rate, self.contact
-        )
+        q, dq = self._qpos, self._qvel
+        roll, rate = q.item(self._roll_q), dq.item(self._roll_v)
+        return Reading(t, q.take(self._q_at), dq.take(self._v_at), roll, rate, self.contact)
 
     def raise_ground(self, stance: Stance, height: float) -> None:
         """As soon as the foot has cleared it."""
@@ -110,7 +110,7 @@ class MujocoEngine(MujocoRobot):
         """How the robot has fallen, if it has."""
         if not isfinite(sum(self._qpos.tolist())):
             return DIVERGED
-        if self.height < self._lowest:
+        if self._center_of_mass.item(2) < self._lowest:
             return EventKind.COLLAPSED
         for side, touches in zip(BOTH, self.contact, strict=True):
             if touches and abs(self.foot_rotation(side)) > TIPPED:

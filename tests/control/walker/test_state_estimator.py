@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from frontal_biped.control.walker.estimator_gains import TABULATED, EstimatorSettings, gain_table, joint_gains
 from frontal_biped.control.walker.state_estimator import StateEstimator
 from frontal_biped.model.impact import impact
 from frontal_biped.model.stance_map import Stance
@@ -74,6 +75,34 @@ def test_noise_of_the_encoders_is_taken_out(biped):
             rate.append(estimator.dq - dq)
     assert np.std(position) < 0.5 * noise
     assert np.std(rate) < 0.05 * np.sqrt(2.0) * noise / H
+
+
+@pytest.mark.parametrize("velocities", [False, True])
+def test_one_matrix_takes_the_readings_of_all_joints(velocities):
+    """To what the gains of each joint take its own."""
+    settings = (EstimatorSettings(), EstimatorSettings(impact_velocity=0.7, blind=0.0))
+    both = np.random.default_rng(2).standard_normal((2 if velocities else 1, 2))  # of q (and dq), of either joint
+    for k in (0, 3, 7, TABULATED - 1):
+        corrections = (joint_gains(settings, H, velocities)[k] @ both.ravel()).reshape(3, 2)
+        for joint, one in enumerate(settings):
+            own = gain_table(one, H, velocities)[k] @ both[:, joint]
+            np.testing.assert_allclose(corrections[:, joint], own, rtol=1e-13, atol=1e-13)
+
+
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_an_infinite_reading_is_one_joint_s_own(biped):
+    """The others are estimated as ever."""
+    broken, sound = (StateEstimator(biped, H) for _ in range(2))
+    for estimator in (broken, sound):
+        estimator.reset(Stance.LEFT, START, RATES)
+    read = START + 1e-3
+    sound.correct(read, RATES)
+    read[2] = np.inf
+    broken.correct(read, RATES)
+    others = [0, 1, 3]
+    for seen, expected in ((broken.q, sound.q), (broken.dq, sound.dq), (broken.error, sound.error)):
+        assert np.isfinite(seen).all()
+        np.testing.assert_allclose(seen[others], expected[others], rtol=1e-13)
 
 
 def test_landing_is_the_impact_of_the_model(biped):

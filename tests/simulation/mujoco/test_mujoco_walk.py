@@ -104,6 +104,36 @@ def test_push_gives_its_impulse(biped):
     assert momentum == pytest.approx(50.0 * 40 * robot.model.opt.timestep, rel=1e-6)
 
 
+def test_a_push_leaves_nothing_behind(biped):
+    """After it the joints feel their torques alone, and the base nothing."""
+    robot, tau = MujocoRobot(biped), np.array([1.0, -2.0, 3.0, -4.0])
+    mujoco.mj_forward(robot.model, robot.data)
+    robot.run(tau, 1, [(50.0, 0.1)])
+    assert np.count_nonzero(robot.data.qfrc_applied) > 4
+    robot.run(tau, 1, [])
+    names = biped.stance_map.joint_names
+    felt = [robot.data.joint(name).qfrc_applied[0] for name in names]
+    np.testing.assert_array_equal(felt, tau)
+    assert np.count_nonzero(robot.data.qfrc_applied) == 4
+
+
+def test_load_is_what_mujoco_tells_of_its_contacts(biped, rough):
+    """Contact by contact, by its own function, turned into the world."""
+    robot = MujocoRobot(biped)
+    robot.stand(Stance.LEFT, State(*rough.state_after_impact()), 0.1)
+    robot.run(np.zeros(4), 3, [])
+    contact, wrench = robot.data.contact, np.zeros(6)
+    assert robot.data.ncon >= 2
+    for stance in Stance:
+        force, moment, foot = np.zeros(3), 0.0, robot.foot_position(stance)[0]
+        for i in np.flatnonzero(contact.geom[:, 1] == robot.model.geom(f"{stance.value}_sole").id):
+            mujoco.mj_contactForce(robot.model, robot.data, i, wrench)
+            there = wrench[:3] @ contact.frame[i].reshape(3, 3)
+            force += there
+            moment += (contact.pos[i, 1] - foot) * there[2] - (contact.pos[i, 2] - robot.ground(stance)) * there[1]
+        np.testing.assert_allclose(robot.load(stance), (force[1], force[2], moment), rtol=1e-12, atol=1e-12)
+
+
 def test_uneven_ground_is_under_the_feet(biped, rough):
     heights = (0.003, -0.002, 0.002)
     disturbances = Disturbances(ground=heights)
