@@ -137,17 +137,17 @@ def first_not_positive(values: Sequence[Callable[[], float]]) -> int | None:
 def energy_surplus(biped: FrontalBiped, phase: VirtualConstraints, dbeta: float) -> float:
     """Energy after a landing beyond what rising to the planned end of the phase takes [kg^2 m^4/s^2].
 
-    `BLOCKED` is added where the phase does not reach its end: as if far too fast.
+    `BLOCKED` where the phase does not reach its end: as if far too fast.
     """
     try:
-        energy = phase_energy(biped, phase, phase.beta_start, phase.beta_end)
+        energy = phase_energy(biped, phase, phase.beta_start, phase.beta_end, whole=True)
     except ReversalError:
         return BLOCKED
     return surplus_at_end(energy, dbeta)
 
 
 def surplus_at_end(energy: PhaseEnergy, dbeta: float) -> float:
-    """`energy_surplus` of a phase that has been integrated to its end."""
+    """`energy_surplus` of a phase that has been integrated; `BLOCKED` is added where it does not reach its end."""
     missing = 0.0 if energy.complete else BLOCKED
     surplus = 0.5 * (energy.start_inertia * dbeta) ** 2 - energy.spent + missing
     return surplus if isfinite(surplus) else BLOCKED

@@ -26,14 +26,14 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.stance_map import relabel
 from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
 from frontal_biped.virtual_constraints.invariance import double_support_pose
-from frontal_biped.zero_dynamics.energy import PhaseEnergy, phase_energy
+from frontal_biped.zero_dynamics.energy import PhaseEnergy
 from frontal_biped.zero_dynamics.half_steps import (
     SURPLUS_ACCURACY,
     ConstrainedState,
+    energy_surplus,
     falling_energy,
     land_on_constraints,
     rising_energy,
-    surplus_at_end,
 )
 
 NARROWEST, WIDEST = 0.6, 1.5
@@ -157,7 +157,7 @@ class StepLaw:
     def _surplus_of(self, falling: PhaseEnergy) -> float:
         landed = land_on_constraints(self.biped, falling)
         phase = self._unstretched.rising(landed)
-        return surplus_at_end(phase_energy(self.biped, phase, phase.beta_start, phase.beta_end), landed.dbeta)
+        return energy_surplus(self.biped, phase, landed.dbeta)
 
     def _dead_beat(self, rising: RisingConstraints, reversal: float) -> tuple[float, float]:
         """Width, and the surplus left where no allowed width makes it vanish."""
