@@ -234,9 +234,9 @@ def phase_energy(
         raise ReversalError(why)
     if not pieces:
         raise ReversalError("I_P is not positive, or the centre of mass is over the FRI, where the phase begins")
-    whole = _joined(pieces)
-    complete = not why and whole.edges[-1] == end
-    return PhaseEnergy(*whole, complete, why == BARRIER, why or "that is as far as was looked")
+    joined = _joined(pieces)
+    complete = not why and joined.edges[-1] == end
+    return PhaseEnergy(*joined, complete, why == BARRIER, why or "that is as far as was looked")
 
 
 class _Piece(NamedTuple):
