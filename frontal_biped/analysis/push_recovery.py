@@ -2,13 +2,20 @@
 
 The ground holds what it can and no more: a stance foot slips at the gait's own coefficient of friction, and rolls over
 its edge where the FRI leaves the sole. Either is a fall, as in the closed form, which keeps every contact constraint.
+
+The largest push is found between two walks of neighbouring pushes, one that recovers and one that falls. Where to look
+for them is read off the first moments of other walks: most robots that a push fells fall during it, and of those that
+are about to tip over their stance foot the closed form says so (`tipping`).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
+from frontal_biped.analysis.tipping import comes_over_the_barrier
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.controller import QpController
 from frontal_biped.control.stabilisers.by_name import make_stabiliser
@@ -19,9 +26,11 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.disturbances import Disturbances
 from frontal_biped.simulation.event_driven import begin_walk, simulate_walk
 from frontal_biped.simulation.pushes import Push
+from frontal_biped.simulation.sampled_walk import SampledWalk
 from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.simulation.trajectory import COMPLETED, Trajectory
 from frontal_biped.simulation.walking import sampled_settings, start_state
+from frontal_biped.virtual_constraints.phase import StepPhase
 from frontal_biped.zero_dynamics.poincare import StepOrbit
 
 PERIOD = 1e-3  # [s]
@@ -42,11 +51,11 @@ AT_THE_GAIT = 2
 RECOVERED = 0.05
 """Relative error of the post-impact speed that counts as recovered; 1 kHz control alone costs 0.003."""
 
-PUSHES = (64.0, 32.0, 16.0, 8.0)
-"""Tried first, until one is survived; the largest is between that and the one before [N s]."""
+PUSHES = (0.0, 8.0, 16.0, 32.0, 64.0)
+"""None, and ends of the ranges that are refined to the resolution; beyond the last nobody looks [N s]."""
 
-FROM_BELOW = 0.7
-"""Where in what is left of a search the next push is tried: one that fells takes a fifth of the walking of another."""
+SETTLED = 0.15
+"""How long after the beginning of a push the outputs are back, so that the closed form can be asked [s]."""
 
 PUSH_RESOLUTION = 1.0  # [N s], or a tenth of the push
 
@@ -95,33 +104,44 @@ def largest_pushes(
         resolution: of the impulse [N s]; a tenth of it is enough in any case.
     """
     walks = PushedWalks(biped, gait, stabiliser, time_in_step(gait.step(biped), place))
-    return tuple(_largest(walks, instant, direction, resolution) for direction in DIRECTIONS)
+    sizes = push_sizes(resolution)
+    return tuple(_largest(walks, sizes, instant, direction) for direction in DIRECTIONS)
 
 
-def _largest(walks: "PushedWalks", instant: str, direction: str, resolution: float) -> PushOutcome:
-    """In one direction; where a push is survived those below it are taken to be."""
+def _largest(walks: "PushedWalks", sizes: list[float], instant: str, direction: str) -> PushOutcome:
+    """In one direction, of pushes in order; where one is survived those below it are taken to be."""
     # the left foot stands first: outwards is to the left
     sign = 1.0 if direction == "outwards" else -1.0
-    good, bad, steps, why = 0.0, np.inf, 0, "nothing up to the end of the search"
+    steps, why = 0, "nothing up to the end of the search"
 
-    def survives(size: float) -> bool:
-        nonlocal good, bad, steps, why
-        obstacle, count = walks.fate(sign * size)
+    def survives(place: int) -> bool:
+        nonlocal steps, why
+        obstacle, count = walks.fate(sign * sizes[place])
         if obstacle:
-            bad, why = size, obstacle
+            why = obstacle
         else:
-            good, steps = size, count
+            steps = count
         return not obstacle
 
-    # from the largest down: a robot that a push fells falls soon, and one that recovers is walked for steps
-    for size in PUSHES:
-        if survives(size):
-            break
-    between = push_cells(good, bad, resolution)[1:-1] if np.isfinite(bad) else []
-    while between:
-        place = int(FROM_BELOW * len(between))
-        between = between[place + 1 :] if survives(between[place]) else between[:place]
-    return PushOutcome(instant, direction, good, steps, why)
+    good, bad = 0, len(sizes)
+    place = last_true(lambda place: walks.promises(sign * sizes[place]), good, bad)
+    for _ in range(2):  # two neighbours settle it, where the promise is kept or all but kept
+        if good < place < bad:
+            good, bad, place = (place, bad, place + 1) if survives(place) else (good, place, place - 1)
+    return PushOutcome(instant, direction, sizes[last_true(survives, good, bad)], steps, why)
+
+
+def last_true(holds: Callable[[int], bool], good: int, bad: int) -> int:
+    """The last number below ``bad`` for which something holds that holds from ``good`` up to there; by bisection."""
+    while bad - good > 1:
+        middle = (good + bad + 1) // 2
+        good, bad = (middle, bad) if holds(middle) else (good, middle)
+    return good
+
+
+def push_sizes(resolution: float) -> list[float]:
+    """Pushes among which the largest is looked for [N s], in order, from none up."""
+    return [PUSHES[0], *(size for ends in pairwise(PUSHES) for size in push_cells(*ends, resolution)[1:])]
 
 
 def push_cells(good: float, bad: float, resolution: float) -> list[float]:
@@ -143,16 +163,25 @@ class PushedWalks:
     """
 
     def __init__(self, biped: FrontalBiped, gait: Gait, stabiliser: str, start: float) -> None:
-        self._gait, self._start = gait, start
+        self._biped, self._gait, self._start = biped, gait, start
         self._controller = _controller(biped, gait, make_stabiliser(stabiliser, biped, gait))
         settings = _on_its_ground(gait, STEPS_TO_DECIDE, RECORDING)
         self._unpushed = begin_walk(biped, self._controller, start_state(gait), settings, self._recovered)
         self._unpushed.walk_until(start)
+        self._begun: dict[float, tuple[SampledWalk, QpController]] = {}
+
+    def promises(self, impulse: float) -> bool:
+        """Is the robot on its feet a moment after a push [N s], and does nothing say that it will tip over?"""
+        walk, controller = self._walk(impulse)
+        walk.walk_until(self._start + SETTLED)
+        engine = walk.told.engine
+        if walk.outcome is not None or engine.phase is not StepPhase.RISING:
+            return walk.outcome in (None, COMPLETED)
+        return not comes_over_the_barrier(self._biped, controller.rising, engine.state)
 
     def fate(self, impulse: float) -> tuple[str, int]:
         """What is in the way of recovery from a push [N s], empty where nothing is; and the steps that it takes."""
-        push = Push(self._start, PUSH_DURATION, impulse)
-        walk = self._unpushed.copy(self._controller.copy(), [push])
+        walk, _ = self._walk(impulse)
         outcome, speeds = walk.walk(), np.array(walk.told.speeds)
         if outcome != COMPLETED:
             return outcome, 0
@@ -160,6 +189,13 @@ class PushedWalks:
             return f"not back within {STEPS_TO_DECIDE} steps", 0
         late = np.flatnonzero(_errors(speeds, self._gait) > RECOVERED)
         return "", int(late[-1]) if len(late) else 0
+
+    def _walk(self, impulse: float) -> tuple[SampledWalk, QpController]:
+        """The walk with a push, as far as it has come, and its controller."""
+        if impulse not in self._begun:
+            push, controller = Push(self._start, PUSH_DURATION, impulse), self._controller.copy()
+            self._begun[impulse] = self._unpushed.copy(controller, [push]), controller
+        return self._begun[impulse]
 
     def _recovered(self, speeds: FloatArray) -> bool:
         landings = _errors(speeds, self._gait)[1:]

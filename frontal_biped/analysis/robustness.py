@@ -36,22 +36,12 @@ torque on the energy that a held torque loses. At 1 kHz take ``ankle``.
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, as_completed
 from dataclasses import asdict, dataclass
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from frontal_biped.analysis.push_recovery import (
-    INSTANTS,
-    PUSH_RESOLUTION,
-    RECORDING,
-    RECOVERED,
-    STEPS_TO_DECIDE,
-    PushOutcome,
-    held_walk,
-    largest_pushes,
-    speed_errors,
-)
+from frontal_biped.analysis.fixed_basin import fixed_basin
+from frontal_biped.analysis.push_recovery import INSTANTS, PUSH_RESOLUTION, PushOutcome, largest_pushes
 from frontal_biped.analysis.return_map import Basin, RestrictedMap
 from frontal_biped.control.stabilisers.by_name import STABILISERS, make_stabiliser
 from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions
@@ -62,11 +52,6 @@ from frontal_biped.zero_dynamics.half_steps import rising_energy
 
 SAMPLES = 13
 """Speeds at which a map is sampled, over the interval that returns and a little more."""
-
-FIXED_ERRORS, FIRST_ERROR = (0.02, 0.05, 0.1, 0.2, 0.4), 0.1
-"""Relative speed errors tried of fixed transitions, and which of them first: a return passes by the smaller ones."""
-
-SPEED_RESOLUTION = 0.005
 
 COMPARED = tuple(name for name in STABILISERS if name != "re-anchored")
 """Stabilisers of a card: "adaptive" is re-anchoring at its best, and plain re-anchoring is in the laws."""
@@ -247,59 +232,3 @@ def summarise_map(biped: FrontalBiped, gait: Gait, stabiliser: str, samples: int
     following = restricted.sample(speeds)
     pairs = tuple((float(a), float(b)) for a, b in zip(speeds, following, strict=True))
     return MapSummary(restricted.slope(), basin, pairs)
-
-
-def fixed_basin(biped: FrontalBiped, gait: Gait) -> Basin:
-    """Speeds from which the paper's fixed transitions return, by simulation at 1 kHz."""
-
-    def obstacle(sense: float, size: float) -> tuple[str, float]:
-        steps, error = STEPS_TO_DECIDE, sense * size
-        run = held_walk(biped, gait, "fixed", steps=steps, speed_error=error, simulation_settings=RECORDING)
-        if run.fell:
-            return run.outcome, np.inf
-        left = float(speed_errors(run, gait)[-1])
-        return "" if left <= RECOVERED else f"not back within {steps} steps", left
-
-    below, above = (largest_error(partial(obstacle, sense)) for sense in (-1.0, 1.0))
-    return Basin(1.0 - below[0], 1.0 + above[0], below[1], above[1])
-
-
-def largest_error(obstacle: Callable[[float], tuple[str, float]]) -> tuple[float, str]:
-    """The largest error that returns, and what is in the way of more; `FIXED_ERRORS`, refined to `SPEED_RESOLUTION`.
-
-    What remains of an error after a walk is all but proportional to it, so it is not bisected between two of them:
-    of the cells in which a bisection could end, that one is looked at in which `RECOVERED` should remain.
-
-    Args:
-        obstacle: to the return from an error [-], empty where there is none; and what then remains of it [-], inf after
-            a fall.
-    """
-    errors = (0.0, *FIXED_ERRORS)
-    k = errors.index(FIRST_ERROR)
-    found = {0.0: ("", 0.0)}
-
-    def returns(error: float) -> bool:
-        if error not in found:
-            found[error] = obstacle(error)
-        return not found[error][0]
-
-    if returns(errors[k]):
-        while k + 1 < len(errors) and returns(errors[k + 1]):
-            k += 1
-        if k + 1 == len(errors):
-            return errors[k], "nothing up to the end of the search"
-    else:
-        k -= 1
-        while not returns(errors[k]):
-            k -= 1
-    cells = 1
-    while errors[k + 1] - errors[k] > cells * SPEED_RESOLUTION:
-        cells *= 2
-    ends = np.linspace(errors[k], errors[k + 1], cells + 1).tolist()
-    good, bad = 0, cells
-    while bad - good > 1:
-        remains, too_much = found[ends[good]][1], found[ends[bad]][1]
-        share = (RECOVERED - remains) / (too_much - remains) if np.isfinite(too_much) else 0.5
-        middle = min(max(good + int(share * (bad - good)), good + 1), bad - 1)
-        good, bad = (middle, bad) if returns(ends[middle]) else (good, middle)
-    return ends[good], found[ends[bad]][0]

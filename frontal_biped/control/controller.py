@@ -327,6 +327,11 @@ class QpController:
         held = (self._last or none)._replace(source=Source.HELD)
         return held if y is None or dy is None or p_fri is None else held._replace(y=y, dy=dy, p_fri_target=p_fri)
 
+    @property
+    def rising(self) -> RisingConstraints:
+        """Virtual constraints of the rising phase, as the stabiliser last chose them."""
+        return self._rising
+
     def phase(self, phase: StepPhase) -> VirtualConstraints:
         """Virtual constraints of a phase, as the stabiliser last chose them."""
         return self._phases[phase]

@@ -197,6 +197,7 @@ def phase_energy(
     breaks: Sequence[float] = (),
     to_barrier: bool = False,
     dbeta: float = np.inf,
+    whole: bool = False,
 ) -> PhaseEnergy:
     """Integrate Gamma and R of a phase from ``start`` to ``end``.
 
@@ -208,9 +209,10 @@ def phase_energy(
         breaks: beta at which panels end besides [rad].
         to_barrier: stop where the drive vanishes: the top of the energy barrier.
         dbeta: speed at the start [rad/s]; the panel on which it reverses is the last one.
+        whole: is less than all of it of no use? Then how far it goes is not looked for.
 
     Raises:
-        ReversalError: I_P is not positive at the start.
+        ReversalError: I_P is not positive at the start, or, where the whole is asked for, anywhere.
     """
     sense = 1.0 if end > start else -1.0
     inner = sorted(
@@ -221,18 +223,20 @@ def phase_energy(
     together = sum(sense * edge < sense * phase.beta_end for edge in edges[:-1]) if to_barrier else len(edges) - 1
     groups = [edges[a : b + 1] for a, b in pairwise(sorted({0, together, len(edges) - 1}))]
     why, pieces = "", list[_Piece]()
-    for piece, why in _pieces(biped, phase, groups, to_barrier):
+    for piece, why in _pieces(biped, phase, groups, to_barrier, whole):
         if piece is not None:
             pieces.append(piece)
             enough = piece.integrals.spent_at[:, -1] >= 0.5 * (pieces[0].restricted.I_P[0] * dbeta) ** 2
             if not why and enough.any():
                 pieces[-1] = piece.first(int(enough.argmax()) + 1)
                 break
+    if whole and why:
+        raise ReversalError(why)
     if not pieces:
         raise ReversalError("I_P is not positive, or the centre of mass is over the FRI, where the phase begins")
-    whole = _joined(pieces)
-    complete = not why and whole.edges[-1] == end
-    return PhaseEnergy(*whole, complete, why == BARRIER, why or "that is as far as was looked")
+    joined = _joined(pieces)
+    complete = not why and joined.edges[-1] == end
+    return PhaseEnergy(*joined, complete, why == BARRIER, why or "that is as far as was looked")
 
 
 class _Piece(NamedTuple):
@@ -273,15 +277,22 @@ def _first(
 
 
 def _pieces(
-    biped: FrontalBiped, phase: VirtualConstraints, groups: Sequence[list[float]], to_barrier: bool
+    biped: FrontalBiped, phase: VirtualConstraints, groups: Sequence[list[float]], to_barrier: bool, whole: bool
 ) -> Iterator[tuple[_Piece | None, str]]:
-    """Panels between edges, group after group, each evaluated together; and why it ends there, if that is early."""
+    """Panels between edges, group after group, each evaluated together; and why it ends there, if that is early.
+
+    Of a group that ends early there are no panels where the whole is asked for.
+    """
     before: Integrals | None = None
     for edges in groups:
         motion, restricted = _sample(biped, phase, edges)
         bad = restricted.I_P <= 0.0
         over = bad | (restricted.drive >= 0.0) if to_barrier else bad
         free = _panelwise(over).any(axis=1).argmax().item() if over.any() else len(edges) - 1
+        why = "I_P vanishes there" if over.any() and _panelwise(bad)[free].any() else BARRIER
+        if whole and free < len(edges) - 1:
+            yield None, why
+            return
         if free:
             piece = _piece(edges[: free + 1], motion, restricted, before)
             yield piece, ""
@@ -290,7 +301,6 @@ def _pieces(
                 return
             before = piece.integrals
         if free < len(edges) - 1:
-            why = "I_P vanishes there" if _panelwise(bad)[free].any() else BARRIER
             begin = edges[free]
             reached = _last_good(biped, phase, begin, edges[free + 1], to_barrier)
             last = None

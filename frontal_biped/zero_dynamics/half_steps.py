@@ -2,8 +2,9 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cached_property, partial
 from math import ceil, inf, isfinite, sqrt
+from typing import Generic
 
 from scipy.optimize import brentq
 
@@ -102,16 +103,39 @@ def stretch_to_reversal(biped: FrontalBiped, phase: RisingT, dbeta: float) -> Ri
         phase: rising phase.
         dbeta: after the landing [rad/s].
     """
+    return Stretching(biped, phase).to_reversal(dbeta)
 
-    @cache
-    def surplus(end: float) -> float:
-        return energy_surplus(biped, phase.stretched(end), dbeta)
 
-    if surplus(phase.beta_end) <= SURPLUS_ACCURACY:
-        return phase
-    ends = [phase.beta_end + k * STRETCH * phase.range for k in range(STRETCHES + 1)]
-    k = first_not_positive([partial(surplus, end) for end in ends])
-    return phase if k is None else phase.stretched(float(brentq(surplus, ends[k - 1], ends[k], xtol=1e-12)))
+@dataclass(frozen=True)
+class Stretching(Generic[RisingT]):
+    """`stretch_to_reversal` of one phase at any speed: what a stretched phase takes is found once, and serves them all.
+
+    Attributes:
+        biped: the robot.
+        phase: rising phase.
+    """
+
+    biped: FrontalBiped
+    phase: RisingT
+
+    @cached_property
+    def _taken(self) -> dict[float, tuple[float, float] | None]:
+        """By the end of the stretched phase, I_P at its start and what it takes; None where it does not get there."""
+        return {}
+
+    def _surplus(self, dbeta: float, end: float) -> float:
+        if end not in self._taken:
+            self._taken[end] = _taken(self.biped, self.phase.stretched(end))
+        return _left(self._taken[end], dbeta)
+
+    def to_reversal(self, dbeta: float) -> RisingT:
+        """The phase, stretched for a landing at dbeta [rad/s]."""
+        phase, surplus = self.phase, partial(self._surplus, dbeta)
+        if surplus(phase.beta_end) <= SURPLUS_ACCURACY:
+            return phase
+        ends = [phase.beta_end + k * STRETCH * phase.range for k in range(STRETCHES + 1)]
+        k = first_not_positive([partial(surplus, end) for end in ends])
+        return phase if k is None else phase.stretched(float(brentq(surplus, ends[k - 1], ends[k], xtol=1e-12)))
 
 
 def first_not_positive(values: Sequence[Callable[[], float]]) -> int | None:
@@ -137,17 +161,30 @@ def first_not_positive(values: Sequence[Callable[[], float]]) -> int | None:
 def energy_surplus(biped: FrontalBiped, phase: VirtualConstraints, dbeta: float) -> float:
     """Energy after a landing beyond what rising to the planned end of the phase takes [kg^2 m^4/s^2].
 
-    `BLOCKED` is added where the phase does not reach its end: as if far too fast.
+    `BLOCKED` where the phase does not reach its end: as if far too fast.
     """
+    return _left(_taken(biped, phase), dbeta)
+
+
+def _taken(biped: FrontalBiped, phase: VirtualConstraints) -> tuple[float, float] | None:
+    """I_P at the start of a phase [kg m^2] and R at its end [kg^2 m^4/s^2]; None where it does not get there."""
     try:
-        energy = phase_energy(biped, phase, phase.beta_start, phase.beta_end)
+        energy = phase_energy(biped, phase, phase.beta_start, phase.beta_end, whole=True)
     except ReversalError:
+        return None
+    return energy.start_inertia, energy.spent
+
+
+def _left(taken: tuple[float, float] | None, dbeta: float) -> float:
+    if taken is None:
         return BLOCKED
-    return surplus_at_end(energy, dbeta)
+    inertia, spent = taken
+    surplus = 0.5 * (inertia * dbeta) ** 2 - spent
+    return surplus if isfinite(surplus) else BLOCKED
 
 
 def surplus_at_end(energy: PhaseEnergy, dbeta: float) -> float:
-    """`energy_surplus` of a phase that has been integrated to its end."""
+    """`energy_surplus` of a phase that has been integrated; `BLOCKED` is added where it does not reach its end."""
     missing = 0.0 if energy.complete else BLOCKED
     surplus = 0.5 * (energy.start_inertia * dbeta) ** 2 - energy.spent + missing
     return surplus if isfinite(surplus) else BLOCKED

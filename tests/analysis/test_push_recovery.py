@@ -9,9 +9,12 @@ from frontal_biped.analysis.push_recovery import (
     PERIOD,
     PUSH_DURATION,
     PUSH_RESOLUTION,
+    PushedWalks,
     held_walk,
     largest_pushes,
+    last_true,
     push_cells,
+    push_sizes,
     time_in_step,
 )
 from frontal_biped.simulation import Disturbances, Push, SimulationSettings
@@ -100,3 +103,49 @@ def test_cells_of_pushes_are_where_a_bisection_ends(ends):
             middle = 0.5 * (good + bad)
             good, bad = (middle, bad) if middle <= edge else (good, middle)
         assert bad == cells[cells.index(good) + 1]
+
+
+def test_sizes_of_pushes_are_the_cells_end_to_end():
+    sizes = push_sizes(PUSH_RESOLUTION)
+    assert sizes == sorted(set(sizes))
+    assert (sizes[0], sizes[-1]) == (0.0, 64.0)
+    assert {8.0, 16.0, 32.0} < set(sizes)
+
+
+@pytest.mark.parametrize("count", [2, 3, 7, 8, 37])
+def test_the_last_true_is_found_and_the_ends_are_not_asked(count):
+    for last in range(count - 1):
+        asked = []
+
+        def holds(place, last=last, asked=asked):
+            asked.append(place)
+            return place <= last
+
+        assert last_true(holds, 0, count - 1) == last
+        assert len(asked) == len(set(asked)) <= int(np.ceil(np.log2(count)))
+        assert 0 not in asked
+        assert count - 1 not in asked
+
+
+def test_a_promise_is_no_more_than_a_beginning_of_the_walk(biped, robust_gait):
+    """A walk that has been looked at goes on as one that has not."""
+    walks = {
+        looked: PushedWalks(biped, robust_gait, "ankle", time_in_step(robust_gait.step(biped), 0.5))
+        for looked in (True, False)
+    }
+    assert walks[True].promises(4.0)
+    assert not walks[True].promises(64.0)
+    for impulse in (4.0, 64.0):
+        assert walks[True].fate(impulse) == walks[False].fate(impulse)
+
+
+@pytest.mark.slow
+def test_the_largest_push_is_what_all_walks_say(biped, robust_gait):
+    """Every push walked to its end, without looking where to look."""
+    instant, place = "half-way down", 1.5
+    walks = PushedWalks(biped, robust_gait, "ankle", time_in_step(robust_gait.step(biped), place))
+    for found, sign in zip(largest_pushes(biped, robust_gait, "ankle", instant, place), (1.0, -1.0), strict=True):
+        fates = [walks.fate(sign * size) for size in push_sizes(PUSH_RESOLUTION)]
+        first = next(k for k, (why, _) in enumerate(fates) if why)
+        assert found.impulse == push_sizes(PUSH_RESOLUTION)[first - 1]
+        assert (found.steps_to_recover, found.limited_by) == (fates[first - 1][1], fates[first][0])

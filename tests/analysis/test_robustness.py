@@ -5,15 +5,7 @@ import pytest
 
 from frontal_biped.analysis.push_recovery import RECOVERED, held_walk, largest_pushes
 from frontal_biped.analysis.return_map import Basin, RestrictedMap
-from frontal_biped.analysis.robustness import (
-    FIXED_ERRORS,
-    SPEED_RESOLUTION,
-    MapSummary,
-    RobustnessCard,
-    fixed_basin,
-    largest_error,
-    robustness_card,
-)
+from frontal_biped.analysis.robustness import MapSummary, RobustnessCard, robustness_card
 from frontal_biped.control import make_stabiliser
 from frontal_biped.library import worker_processes
 from frontal_biped.simulation import Push
@@ -87,36 +79,3 @@ def test_largest_push_is_survived_and_a_larger_one_is_not(biped, robust_gait):
         run = held_walk(biped, robust_gait, "ankle", push, steps=6)
         last = run.post_impact_speeds[-1] / robust_gait.orbit.beta_dot_after_impact
         assert (run.fell or abs(last - 1.0) > RECOVERED) == falls
-
-
-@pytest.mark.slow
-def test_fixed_transitions_return_from_less_than_any_stabiliser(biped, robust_gait, card):
-    fixed = fixed_basin(biped, robust_gait)
-    assert card.basins["ankle"].low < fixed.low < 1.0 < fixed.high < card.basins["ankle"].high
-
-
-def test_largest_error_is_within_its_resolution_of_where_returns_end():
-    """Of walks that leave a little less than a share of an error, and of walks that fall; the former tell more."""
-    rng, walks = np.random.default_rng(3), {}
-    for falls in (True, False):
-        walks[falls] = 0
-        for edge in rng.uniform(0.0, FIXED_ERRORS[-1], 100):
-            walked = []
-
-            def obstacle(error, edge=edge, falls=falls, walked=walked):
-                walked.append(error)
-                remains = RECOVERED * (error / edge) ** 1.2
-                if remains <= RECOVERED:
-                    return "", remains
-                return ("fell", np.inf) if falls else ("not back", remains)
-
-            error, why = largest_error(obstacle)
-            assert error <= edge <= error + SPEED_RESOLUTION
-            assert why == ("fell" if falls else "not back")
-            assert len(set(walked)) == len(walked)
-            walks[falls] += len(walked)
-    assert walks[False] < walks[True]
-
-
-def test_largest_error_ends_with_the_search():
-    assert largest_error(lambda error: ("", 0.1 * error)) == (FIXED_ERRORS[-1], "nothing up to the end of the search")

@@ -9,6 +9,7 @@ the robot is at rest there, and its energy takes no notice.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cache, cached_property
 
 import numpy as np
 from scipy.optimize import brentq
@@ -19,14 +20,15 @@ from frontal_biped.exceptions import ReversalError
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
-from frontal_biped.zero_dynamics.energy import phase_energy
+from frontal_biped.zero_dynamics.energy import PhaseEnergy, phase_energy
 from frontal_biped.zero_dynamics.half_steps import (
     BLOCKED,
+    SURPLUS_ACCURACY,
     ConstrainedState,
+    Stretching,
     falling_energy,
     landing_at_end,
     speed_at_end,
-    stretch_to_reversal,
     surplus_at_end,
 )
 
@@ -73,8 +75,9 @@ class AnkleLaw:
         A robot too fast for the sole gets a stretched phase: the same poses, the last one reached where it reverses.
         """
         phase = self.inner.rising(landed)
+        known = self._known(phase)
         try:
-            energy = phase_energy(self.biped, phase, phase.beta_start, phase.beta_end)
+            energy = known.energy
         except ReversalError:
             return phase
 
@@ -84,8 +87,20 @@ class AnkleLaw:
             except ReversalError:
                 return BLOCKED
 
-        moved = phase.shifted(self.best_shift(phase, surplus, phase.beta_start, phase.beta_end))
-        return stretch_to_reversal(self.biped, moved, landed.dbeta)
+        shift = self.best_shift(phase, surplus, phase.beta_start, phase.beta_end)
+        if surplus(shift) <= SURPLUS_ACCURACY:
+            return phase.shifted(shift)
+        return known.shifted(shift).to_reversal(landed.dbeta)
+
+    def _known(self, phase: RisingConstraints) -> "_ToBeShifted":
+        """What is known of a rising phase; of one is remembered, for landings as planned are answered with the same."""
+        if not self._met or self._met[0].phase is not phase:
+            self._met[:] = [_ToBeShifted(self.biped, phase)]
+        return self._met[0]
+
+    @cached_property
+    def _met(self) -> "list[_ToBeShifted]":
+        return []
 
     def falling(self, rising: RisingConstraints, reversal: float) -> VirtualConstraints:
         """The inner phase, shifted so that the next post-impact speed is the gait's."""
@@ -114,6 +129,7 @@ class AnkleLaw:
         self, phase: VirtualConstraints, error: Callable[[float], float], start: float, end: float, most: float = np.inf
     ) -> float:
         """The shift at which an error vanishes, or the end of the sole that comes nearest, at most ``most`` [m]."""
+        error = cache(error)  # a root finder asks for the ends again
         low, high = self.room(phase, start, end)
         high = max(min(high, most), 0.0)
         if low >= high:
@@ -131,3 +147,26 @@ class AnkleLaw:
         outer, inner = self.biped.sole
         low, high = outer + self.margin - float(p.min()), inner - self.margin - float(p.max())
         return min(low, 0.0), max(high, 0.0)
+
+
+@dataclass(frozen=True)
+class _ToBeShifted:
+    """A rising phase, and what is found once and serves every speed with which it begins."""
+
+    biped: FrontalBiped
+    phase: RisingConstraints
+
+    @cached_property
+    def energy(self) -> PhaseEnergy:
+        """Of the phase as it is, up to its planned end."""
+        return phase_energy(self.biped, self.phase, self.phase.beta_start, self.phase.beta_end)
+
+    def shifted(self, shift: float) -> Stretching[RisingConstraints]:
+        """The phase with its FRI target moved [m], to be stretched: the ends of the sole are met at many speeds."""
+        if shift not in self._shifted:
+            self._shifted[shift] = Stretching(self.biped, self.phase.shifted(shift))
+        return self._shifted[shift]
+
+    @cached_property
+    def _shifted(self) -> dict[float, Stretching[RisingConstraints]]:
+        return {}

@@ -271,7 +271,7 @@ class LookAheadTransitions:
 
     def _energy(self, phase: ContinuedPhase, dbeta: float) -> PhaseEnergy:
         """Of a rising phase as far as a speed takes it [rad/s]; of the phases of a landing as planned found once."""
-        if phase is not self._planned_longer.get(self._stretch_of(phase), self.plain.planned_rising):
+        if not any(phase is planned for planned in (self.plain.planned_rising, *self._planned_longer.values())):
             return rising_energy(self.biped, phase, dbeta)
         if phase.beta_end not in self._planned_energies:
             self._planned_energies[phase.beta_end] = rising_energy(self.biped, phase)

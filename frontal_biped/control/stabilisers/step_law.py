@@ -26,14 +26,14 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.stance_map import relabel
 from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
 from frontal_biped.virtual_constraints.invariance import double_support_pose
-from frontal_biped.zero_dynamics.energy import PhaseEnergy, phase_energy
+from frontal_biped.zero_dynamics.energy import PhaseEnergy
 from frontal_biped.zero_dynamics.half_steps import (
     SURPLUS_ACCURACY,
     ConstrainedState,
+    energy_surplus,
     falling_energy,
     land_on_constraints,
     rising_energy,
-    surplus_at_end,
 )
 
 NARROWEST, WIDEST = 0.6, 1.5
@@ -105,8 +105,7 @@ class StepLaw:
             planned = self.gait.beta_reversal
             width = self.gait.step_width - self.gain * (reversal - planned)
             return self.to_width(rising, reversal, float(np.clip(width, self.narrowest, self.widest)))
-        width, error = self._dead_beat(rising, reversal)
-        phase = self.to_width(rising, reversal, width)
+        phase, error = self._dead_beat(rising, reversal)
         if self.ankle is None or error == 0.0 or not np.isfinite(error):
             return phase
 
@@ -157,22 +156,26 @@ class StepLaw:
     def _surplus_of(self, falling: PhaseEnergy) -> float:
         landed = land_on_constraints(self.biped, falling)
         phase = self._unstretched.rising(landed)
-        return surplus_at_end(phase_energy(self.biped, phase, phase.beta_start, phase.beta_end), landed.dbeta)
+        return energy_surplus(self.biped, phase, landed.dbeta)
 
-    def _dead_beat(self, rising: RisingConstraints, reversal: float) -> tuple[float, float]:
-        """Width, and the surplus left where no allowed width makes it vanish."""
+    def _dead_beat(self, rising: RisingConstraints, reversal: float) -> tuple[VirtualConstraints, float]:
+        """The falling phase, and the surplus left where no allowed width makes it vanish."""
+
+        @cache
+        def falling(width: float) -> VirtualConstraints:
+            return self.to_width(rising, reversal, width)
 
         @cache
         def error(width: float) -> float:
             try:
-                return self.surplus(self.to_width(rising, reversal, width), reversal)
+                return self.surplus(falling(width), reversal)
             except (ReversalError, UnreachablePoseError, ValueError):
                 return float("nan")
 
         planned = self.gait.step_width
         worse = error(planned)
         if abs(worse) <= SURPLUS_ACCURACY:
-            return planned, 0.0
+            return falling(planned), 0.0
         offsets = np.array([0.0, *(sign * offset for offset in OFFSETS for sign in (1.0, -1.0))])
         widths = np.unique(np.clip(planned * (1.0 + offsets), self.narrowest, self.widest)).tolist()
         # outwards from the gait's width, until two neighbours differ in sign; a wider step gains energy
@@ -185,14 +188,15 @@ class StepLaw:
             for a, b in pairwise(known[max(place - 1, 0) : place + 2]):
                 if values[a] * values[b] <= 0.0:
                     try:
-                        return float(brentq(error, a, b, xtol=WIDTH_ACCURACY)), 0.0
+                        width = float(brentq(error, a, b, xtol=WIDTH_ACCURACY))
                     except ValueError:  # not defined somewhere between
                         continue
+                    return falling(width), 0.0
         finite = {w: e for w, e in values.items() if np.isfinite(e)}
         if not finite:
-            return planned, float("nan")
+            return falling(planned), float("nan")
         best = min(finite, key=lambda w: abs(finite[w]))
-        return best, finite[best]
+        return falling(best), finite[best]
 
     @cached_property
     def linear_map(self) -> tuple[float, float]:

@@ -28,7 +28,7 @@ from frontal_biped.virtual_constraints.contract import RisingConstraints, Virtua
 from frontal_biped.virtual_constraints.phase import ConstrainedMotion, Phase
 from frontal_biped.virtual_constraints.piecewise import ContinuedPhase
 from frontal_biped.zero_dynamics.energy import PhaseEnergy
-from frontal_biped.zero_dynamics.half_steps import ConstrainedState, rising_energy, stretch_to_reversal
+from frontal_biped.zero_dynamics.half_steps import ConstrainedState, Stretching, rising_energy
 from frontal_biped.zero_dynamics.restricted import RestrictedDynamics, project_dynamics
 
 T = TypeVar("T")
@@ -137,6 +137,10 @@ class ReanchoringTransitions:
         return rising_energy(self.biped, self.planned_rising)
 
     @cached_property
+    def _planned_stretching(self) -> Stretching[ContinuedPhase]:
+        return Stretching(self.biped, self.planned_rising)
+
+    @cached_property
     def _planned_start(self) -> tuple[FloatArray, FloatArray]:
         at = self.gait.rising.motion(np.array([self.gait.rising.beta_start]))
         return at.q[0], at.dq[0, 1:]
@@ -162,7 +166,8 @@ class ReanchoringTransitions:
             return phase
         if zeta < energy.highest and self._limits.load(energy, zeta) < FULL_LOAD:
             return phase
-        return stretch_to_reversal(self.biped, phase, landed.dbeta)
+        stretching = self._planned_stretching if as_planned else Stretching(self.biped, phase)
+        return stretching.to_reversal(landed.dbeta)
 
     def falling(self, rising: RisingConstraints, reversal: float) -> VirtualConstraints:
         """The falling phase from the actual reversal."""
