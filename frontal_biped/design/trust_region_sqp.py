@@ -219,6 +219,10 @@ class _Iteration:
                 hessian = updated(self.model, hessian - before, step, trial, answer.multipliers)
             self.x = np.clip(self.x + self.scale * step, self.low, self.high)
             self.model = replace(self.model, point=trial, hessian=hessian)
+        elif self.secant and np.isfinite(self.model.merit(trial)):
+            # a step that is not taken tells all the same how the Lagrangian bends along it
+            hessian = updated(self.model, None, step, trial, answer.multipliers)
+            self.model = replace(self.model, hessian=hessian)
         if gain > 0.75 and length > 0.9 * self.radius:
             self.radius = min(2.0 * self.radius, self.settings.max_radius)
         elif gain < 0.25:
