@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebint, chebvander
-from scipy.linalg import lu_factor, lu_solve
+from scipy.linalg.lapack import dgetrf, dgetrs
 
 from frontal_biped.arrays import FloatArray
 
@@ -108,7 +108,9 @@ class Stretch:
 
     def at(self, t: FloatArray) -> FloatArray:
         """(T, 2 n) positions and rates at times t (T,) [s]."""
-        values: FloatArray = chebvander(2.0 * (t - self.start) / self.length - 1.0, DEGREE) @ self._series
+        places = 2.0 * (t - self.start) / self.length - 1.0
+        polynomials = chebvander(places, DEGREE) if len(t) > 1 else _at_one(places.item())
+        values: FloatArray = polynomials @ self._series
         return values
 
 
@@ -130,9 +132,10 @@ class Collocation:
 
         None where shorter and shorter ones did not meet the tolerance: something near is not smooth.
         """
+        begun = self._acceleration(q[None], dq[None])
         for _ in range(TRIES):
             length = min(self._length, until - t)
-            solved = self._solved(q, dq, length)
+            solved = None if begun is None else self._solved(q, dq, begun, length)
             error = np.inf if solved is None else self._error(solved[1])
             factor = SAFETY * error ** (-1.0 / DEGREE) if error > 0.0 else GROWTH
             most = GROWTH if self._iterations <= EASY else 1.0
@@ -151,11 +154,17 @@ class Collocation:
         """(n,) of the rates."""
         return self._atol + self._rtol * np.abs(dq[[0, -1]]).max(axis=0)
 
-    def _solved(self, q_0: FloatArray, dq_0: FloatArray, h: float) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-        """Positions, rates and accelerations at the points of a stretch of length h; None where Newton fails."""
-        begun = self._acceleration(q_0[None], dq_0[None])
-        if begun is None:
-            return None
+    def _solved(
+        self, q_0: FloatArray, dq_0: FloatArray, begun: FloatArray, h: float
+    ) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+        """Positions, rates and accelerations at the points of a stretch of length h; None where Newton fails.
+
+        Args:
+            q_0: (n,) where it begins.
+            dq_0: (n,) rates there.
+            begun: (1, n) accelerations there.
+            h: length.
+        """
         a = np.repeat(begun, DEGREE + 1, axis=0)
         drifting = q_0 + h * _ELAPSED * dq_0
         once: FloatArray = h * _HALF_ONCE
@@ -168,8 +177,11 @@ class Collocation:
             if found is None:
                 return None
             if slopes is not None:
-                factors = lu_factor(_newton_matrix(slopes, once, twice), overwrite_a=True, check_finite=False)
-            step = lu_solve(factors, (found - a).ravel(), check_finite=False).reshape(a.shape)
+                *factors, singular = dgetrf(_newton_matrix(slopes, once, twice), overwrite_a=True)
+                if singular:
+                    return None
+            solved, _ = dgetrs(*factors, (found - a).ravel())
+            step = solved.reshape(a.shape)
             a = a + step
             correction = float((np.abs(once @ step).max(axis=0) / self._tolerance(dq)).max())
             if correction <= SMALL:
@@ -194,6 +206,14 @@ class Collocation:
         here = found[:m]
         sampled = (found[m:].reshape(2 * n, len(_SAMPLED), n) - here[_SAMPLED]) / DIFFERENCE
         return here, np.asarray(_FROM_SAMPLED @ sampled, dtype=float)
+
+
+def _at_one(place: float) -> FloatArray:
+    """(1, N + 1) Chebyshev polynomials at one place, in plain numbers, as `chebvander` has them."""
+    values = [1.0, place]
+    for _ in range(DEGREE - 1):
+        values.append(values[-1] * (2.0 * place) - values[-2])
+    return np.array([values])
 
 
 def _newton_matrix(slopes: FloatArray, once: FloatArray, twice: FloatArray) -> FloatArray:
