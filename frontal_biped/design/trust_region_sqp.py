@@ -24,8 +24,9 @@ GAIN_OF_PENALTY = 0.7
 STEERED = 0.3
 """A step that leaves more than this share of the violation asks whether a larger penalty would leave less."""
 
-CLOSE = 0.1
-"""A predicted decrease below this share of the cost is close to the answer; ..."""
+CLOSE = 0.3
+"""A predicted decrease below this share of the cost is close to the answer; ... Of 0.05 to 1 that with the fewest
+evaluations, geometric mean over 44 designs of packaged and random robots; 0.1 to 0.5 differ by 1.6 %."""
 
 GAIN_OF_GAUSS_NEWTON = 0.75
 """... if less than this share of it comes true there, curvature that Gauss-Newton does not see has the say."""
