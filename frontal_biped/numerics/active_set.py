@@ -25,9 +25,6 @@ SWEEPS = 20
 VIOLATED = 1e-11
 """Violation that is not rounding, relative to the bound where that is above one."""
 
-AT_A_TIME = 4
-"""Constraints that are added before all are looked at again; the farthest of those that were violated, one by one."""
-
 TINY = float(np.finfo(float).tiny)
 
 DEPENDENT = 1e-14
@@ -124,28 +121,9 @@ class ConvexProgram:
                 multipliers = np.zeros(len(c))
                 multipliers[faces.rows] = faces.multipliers
                 return ActiveSetAnswer(self._place(faces), multipliers, tuple(faces.rows))
-            self._meet(faces, violated, edge[violated], missing[violated], beyond[violated])
+            farthest = int(violated[np.argmin(beyond[violated] / self._steepness(violated))])
+            faces.add(farthest, self._inverse @ self._C[farthest], float(missing[farthest]))
         raise NoFeasiblePointError("the active-set method did not end")
-
-    def _meet(
-        self, faces: "_Faces", rows: NDArray[np.intp], edge: FloatArray, missing: FloatArray, beyond: FloatArray
-    ) -> None:
-        """Add the farthest of some violated constraints, and as long as it is cheap, the next of the same.
-
-        Args:
-            faces: added to.
-            rows: (v,) which constraints.
-            edge: (v,) what they ask for.
-            missing: (v,) what is missing of their bounds at the minimum under none.
-            beyond: (v,) by how much they are violated.
-        """
-        normals, steepness = self._C[rows], self._steepness(rows)
-        for _ in range(AT_A_TIME):
-            i = int((beyond / steepness).argmin())
-            if not beyond[i] < 0.0 or rows[i] in faces.rows:
-                break
-            faces.add(int(rows[i]), self._inverse @ normals[i], float(missing[i]))
-            beyond = normals @ self._place(faces) - edge
 
     def _place(self, faces: "_Faces") -> FloatArray:
         """x (n,) of a point y."""
