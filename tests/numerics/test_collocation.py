@@ -73,6 +73,24 @@ def test_points_of_a_stretch_fulfil_the_equation():
     assert np.column_stack([stretch.q, stretch.dq]) == pytest.approx(stretch.at(stretch.times), abs=1e-12)
 
 
+def test_one_time_is_answered_as_many_are():
+    """Not the same product of BLAS, so but for rounding."""
+    [stretch] = follow(lambda q, dq: -np.sin(q), [2.0, 1.0], [0.0, 1.0], FIRST)
+    times = np.linspace(stretch.start, stretch.end, 9)
+    alone = np.concatenate([stretch.at(time[None]) for time in times])
+    assert alone == pytest.approx(stretch.at(times), abs=1e-15, rel=1e-15)
+
+
+def test_a_start_that_is_not_defined_is_asked_once():
+    asked = []
+
+    def nowhere(q, dq):
+        asked.append(q)
+
+    assert Collocation(nowhere, RTOL, ATOL).advance(0.0, np.ones(2), np.zeros(2), 1.0) is None
+    assert len(asked) == 1
+
+
 def test_it_gives_up_before_a_kink_and_goes_on_behind_it():
     method = Collocation(lambda q, dq: np.where(q > 1e-3, 50.0, -50.0), 1e-10, 1e-12)
     before = method.advance(0.0, np.array([0.0]), np.array([1.0]), FIRST)
