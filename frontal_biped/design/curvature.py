@@ -8,7 +8,6 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.design.local_model import Model, Multipliers, PointEvaluation
-from frontal_biped.numerics.products import squared
 
 REGULAR = 1e-6
 """Added to the diagonal of a Gauss-Newton matrix, which may be singular."""
@@ -28,7 +27,9 @@ def gauss_newton(point: PointEvaluation, scale: FloatArray, cost_scale: float) -
         scale: (P,) of the variables.
         cost_scale: of the cost.
     """
-    return 2.0 * cost_scale * squared(point.residual_jacobian * scale) + REGULAR * np.eye(len(scale))
+    R = point.residual_jacobian * scale
+    # einsum, not a BLAS product: the digits must not depend on the number of threads
+    return 2.0 * cost_scale * np.einsum("ri,rj->ij", R, R) + REGULAR * np.eye(len(scale))
 
 
 def updated(

@@ -17,13 +17,15 @@ from scipy.linalg.lapack import dposv
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.numerics.least_distance import NoFeasiblePointError, nearest_point
-from frontal_biped.numerics.products import product
 
 SWEEPS = 20
 """Changes of the active set per variable at which the method is given up: rounding; it needs one or two."""
 
 VIOLATED = 1e-11
 """Violation that is not rounding, relative to the bound where that is above one."""
+
+SINGLE_THREAD = 100_000
+"""Multiplications below which BLAS keeps to one thread; OpenBLAS shares a product out from 262144 on."""
 
 TINY = float(np.finfo(float).tiny)
 
@@ -82,7 +84,7 @@ class ConvexProgram:
         """
         unknown = rows[np.isnan(self._lengths[rows])]
         if len(unknown):
-            squares = product(self._inverse, self._C[unknown].T)
+            squares = _product(self._inverse, self._C[unknown].T)
             squares *= squares
             self._lengths[unknown] = np.sqrt(np.maximum(squares.sum(axis=0), TINY))
         return self._lengths[rows]
@@ -104,7 +106,7 @@ class ConvexProgram:
         try:
             return self._by_active_set(c, expected)
         except NoFeasiblePointError:
-            multipliers = nearest_point(product(self._inverse, self._C.T), c - self._room)
+            multipliers = nearest_point(_product(self._inverse, self._C.T), c - self._room)
         active = np.flatnonzero(multipliers)
         x = self._lowest + self._inverse.T @ (self._inverse @ (self._C[active].T @ multipliers[active]))
         return ActiveSetAnswer(x, multipliers, tuple(active.tolist()))
@@ -204,3 +206,10 @@ class _Faces:
             return np.zeros(0), False
         *_, solution, info = dposv(self._gram, right)
         return solution, info != 0
+
+
+def _product(A: FloatArray, B: FloatArray) -> FloatArray:
+    """A @ B in pieces too small for BLAS to share out among threads: the digits must not depend on their number."""
+    size = max(1, SINGLE_THREAD // max(A.size, 1))
+    pieces = [A @ B[:, begin : begin + size] for begin in range(0, B.shape[1], size)]
+    return np.concatenate(pieces, axis=1) if pieces else np.zeros((len(A), 0))
