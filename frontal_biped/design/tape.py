@@ -69,6 +69,6 @@ def _refresh(result: FloatArray, function: Callable[[], FloatArray]) -> None:
 def looked_at(tape: Tape | None, source: FloatArray, view: Callable[[FloatArray], FloatArray]) -> FloatArray:
     """Elements of an array in another shape or order: a view where NumPy has one, else a copy, made again."""
     result = view(source)
-    if tape is not None and not np.may_share_memory(result, source):
+    if tape is not None and result.size and not np.may_share_memory(result, source):
         tape.add(_refresh, result, lambda: view(source))
     return result

@@ -246,8 +246,7 @@ def worst_point(constraint: Constraint) -> ConstraintCheck:
     candidates = []
     for bound, sign in constraint.sides():
         margins = sign * (values - bound)
-        # nan, where the orbit does not exist, is the worst of all
-        worst = int(np.argmin(np.where(np.isnan(margins), -np.inf, margins)))
+        worst = int(margins.argmin())  # nan, where the orbit does not exist, is the least to NumPy
         candidates.append((float(margins[worst]) + 0.0, float(values[worst]), float(bound)))  # + 0.0: no -0
     margin, value, bound = min(candidates, key=lambda row: -np.inf if np.isnan(row[0]) else row[0])
     rounding = ROUNDING * constraint.scale

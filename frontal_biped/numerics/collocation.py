@@ -141,9 +141,10 @@ class Collocation:
 
         None where shorter and shorter ones did not meet the tolerance: something near is not smooth.
         """
+        begun = self._acceleration(q[None], dq[None])
         for _ in range(TRIES):
             length = min(self._length, until - t)
-            solved = self._solved(q, dq, length)
+            solved = None if begun is None else self._solved(q, dq, begun, length)
             error = np.inf if solved is None else self._error(solved[1])
             factor = SAFETY * error ** (-1.0 / DEGREE) if error > 0.0 else GROWTH
             most = GROWTH if self._iterations <= EASY else 1.0
@@ -162,11 +163,17 @@ class Collocation:
         """(n,) of the rates."""
         return self._atol + self._rtol * np.maximum(np.abs(dq[0]), np.abs(dq[-1]))
 
-    def _solved(self, q_0: FloatArray, dq_0: FloatArray, h: float) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-        """Positions, rates and accelerations at the points of a stretch of length h; None where Newton fails."""
-        begun = self._acceleration(q_0[None], dq_0[None])
-        if begun is None:
-            return None
+    def _solved(
+        self, q_0: FloatArray, dq_0: FloatArray, begun: FloatArray, h: float
+    ) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+        """Positions, rates and accelerations at the points of a stretch of length h; None where Newton fails.
+
+        Args:
+            q_0: (n,) where it begins.
+            dq_0: (n,) rates there.
+            begun: (1, n) accelerations there.
+            h: length.
+        """
         a = np.repeat(begun, DEGREE + 1, axis=0)
         drifting = q_0 + h * _ELAPSED * dq_0
         once: FloatArray = h * _HALF_ONCE
@@ -179,8 +186,11 @@ class Collocation:
             if found is None:
                 return None
             if slopes is not None:
-                factors = dgetrf(_newton_matrix(slopes, once, twice), overwrite_a=True)[:2]
-            step = dgetrs(*factors, (found - a).ravel())[0].reshape(a.shape)  # without SciPy's doors to it
+                *factors, singular = dgetrf(_newton_matrix(slopes, once, twice), overwrite_a=True)
+                if singular:
+                    return None
+            solved, _ = dgetrs(*factors, (found - a).ravel())
+            step = solved.reshape(a.shape)
             a = a + step
             correction = float((np.abs(once @ step).max(axis=0) / self._tolerance(dq)).max())
             if correction <= SMALL:

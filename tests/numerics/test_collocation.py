@@ -80,6 +80,16 @@ def test_at_one_time_it_is_what_it_is_at_many():
         assert stretch.at_one(float(t)) == pytest.approx(x, rel=1e-14, abs=1e-15)
 
 
+def test_a_start_that_is_not_defined_is_asked_once():
+    asked = []
+
+    def nowhere(q, dq):
+        asked.append(q)
+
+    assert Collocation(nowhere, RTOL, ATOL).advance(0.0, np.ones(2), np.zeros(2), 1.0) is None
+    assert len(asked) == 1
+
+
 def test_it_gives_up_before_a_kink_and_goes_on_behind_it():
     method = Collocation(lambda q, dq: np.where(q > 1e-3, 50.0, -50.0), 1e-10, 1e-12)
     before = method.advance(0.0, np.array([0.0]), np.array([1.0]), FIRST)
