@@ -1,11 +1,10 @@
 """What a planar gait means for the whole robot in space: the wrench it must be held with, and its landing."""
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from frontal_biped.analysis.free_landing import FreeLandingReport, free_landing
 from frontal_biped.arrays import FloatArray
 from frontal_biped.exceptions import RobotError, SimulationError
 from frontal_biped.gait.check import ConstraintCheck, check_holding
@@ -15,6 +14,9 @@ from frontal_biped.gait.specification import GaitSpecification
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.space.plane_masses import F_H, F_V
 from frontal_biped.zero_dynamics.poincare import StepOrbit
+
+if TYPE_CHECKING:
+    from frontal_biped.analysis.free_landing import FreeLandingReport
 
 PLANAR_JOINTS = 4
 """A robot with no more joints has nothing to hold."""
@@ -85,7 +87,7 @@ class SpaceAnalysis:
     averaged: float | None
     checks: tuple[ConstraintCheck, ...]
     asked: bool
-    landing: FreeLandingReport | None
+    landing: "FreeLandingReport | None"
     missing: tuple[str, ...]
 
     def as_dict(self) -> dict[str, Any]:
@@ -139,6 +141,8 @@ def analyse_in_space(
     """
     if not has_joints_to_hold(biped):
         return None
+    from frontal_biped.analysis.free_landing import free_landing  # brings the simulation of walks in space
+
     missing: list[str] = []
     holding: tuple[HoldingRanges, ...] = ()
     checks: tuple[ConstraintCheck, ...] = ()

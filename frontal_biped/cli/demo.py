@@ -2,6 +2,8 @@
 
 import argparse
 import gc
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from frontal_biped.cli.arguments import add_json, add_robot, add_value, folder
 from frontal_biped.cli.exit_status import SUCCESS, TASK_FAILED
@@ -26,12 +28,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Make the demonstration's folder."""
-    from frontal_biped.demo.demo import make_demo
-    from frontal_biped.model.catalogue import load_robot
+    with _lasting():
+        from frontal_biped.demo.demo import make_demo
+        from frontal_biped.demo.page import report_page  # noqa: F401  for the end, and imported best with the rest
+        from frontal_biped.model.catalogue import load_robot
 
-    biped = load_robot(arguments.robot)
-    gc.freeze()  # what is imported stays: to look through it again and again takes as long as to draw a figure
+        biped = load_robot(arguments.robot)
     with Progress("demo:") as progress:
         report = make_demo(biped, arguments.out, on_progress=progress.update, prove=arguments.prove)
     emit(arguments, report.as_dict(), str(report))
     return SUCCESS if report.success else TASK_FAILED
+
+
+@contextmanager
+def _lasting() -> Iterator[None]:
+    """What is imported stays: to look through it for garbage, now and again later, takes as long as to draw a figure."""
+    gc.disable()
+    try:
+        yield
+        gc.freeze()
+    finally:
+        gc.enable()

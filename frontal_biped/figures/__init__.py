@@ -9,12 +9,24 @@ Of a walk in space `write_space_figures` draws footsteps from above, pressure in
 its closed form, the speed against the command, and what every joint used of its limits.
 """
 
-from frontal_biped.figures.space import write_space_figures
+from typing import TYPE_CHECKING, Any
+
 from frontal_biped.figures.style import figure_svg
 from frontal_biped.figures.write import write_figures
+
+if TYPE_CHECKING:
+    from frontal_biped.figures.space import write_space_figures
 
 __all__ = [
     "figure_svg",
     "write_figures",
     "write_space_figures",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name != "write_space_figures":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from frontal_biped.figures.space import write_space_figures  # brings the simulation of walks in space
+
+    return write_space_figures

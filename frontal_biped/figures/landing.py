@@ -4,11 +4,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from frontal_biped.analysis.free_landing import FreeLandingReport
 from frontal_biped.figures.style import BLACK, BLUE, VERMILION, legend_above, panels, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from frontal_biped.analysis.free_landing import FreeLandingReport
 
 _PANELS = (
     ("vertical_impulse", "vertical\nimpulse [N s]"),
@@ -18,7 +19,7 @@ _PANELS = (
 
 
 @styled
-def free_landing_figure(report: FreeLandingReport, other_rotors: float) -> "Figure":
+def free_landing_figure(report: "FreeLandingReport", other_rotors: float) -> "Figure":
     """Impulse, energy and speed of a landing over the rotor inertia of the joints that the plane holds.
 
     Args:

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from frontal_biped.analysis.free_landing import FreeLandingReport, free_landing
 from frontal_biped.analysis.in_space import has_joints_to_hold
 from frontal_biped.exceptions import RobotError, SimulationError
 from frontal_biped.figures.barrier import energy_barrier
@@ -24,6 +23,8 @@ from frontal_biped.simulation.world import before_divergence
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from frontal_biped.analysis.free_landing import FreeLandingReport
 
 __all__ = [
     "FIGURES",
@@ -120,10 +121,14 @@ def figure_makers(biped: FrontalBiped, gait: Gait | None, run: Trajectory) -> "d
     return makers
 
 
-def _landing(biped: FrontalBiped, gait: Gait) -> FreeLandingReport | None:
+def _landing(biped: FrontalBiped, gait: Gait) -> "FreeLandingReport | None":
     """None where there is nothing to land, or a foot of unknown length; `analyze` says why."""
+    if not has_joints_to_hold(biped):
+        return None
+    from frontal_biped.analysis.free_landing import free_landing  # brings the simulation of walks in space
+
     try:
-        return free_landing(biped, gait) if has_joints_to_hold(biped) else None
+        return free_landing(biped, gait)
     except (RobotError, SimulationError):
         return None
 

@@ -1,4 +1,9 @@
-"""Simulation of the full model in closed loop, and what a run is."""
+"""Simulation of the full model in closed loop, and what a run is.
+
+Walks in space bring controllers and engines that no planar walk needs: they are imported when first asked for.
+"""
+
+from typing import TYPE_CHECKING, Any
 
 from frontal_biped.simulation.disturbances import Disturbances
 from frontal_biped.simulation.event_driven import simulate_walk
@@ -9,12 +14,14 @@ from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.simulation.space.pushes import SpatialPush
 from frontal_biped.simulation.space.run import SpatialRun, load_spatial_run, save_spatial_run
 from frontal_biped.simulation.space.settings import SpatialSettings, SpeedChange
-from frontal_biped.simulation.space.walk_path import walk_path
-from frontal_biped.simulation.space.walk_spatial import walk_spatial
 from frontal_biped.simulation.trajectory import Trajectory, load_trajectory, save_trajectory
 from frontal_biped.simulation.walking import simulate
 from frontal_biped.simulation.whole_robot import whole_motion
 from frontal_biped.simulation.world import world_configurations, world_motion
+
+if TYPE_CHECKING:
+    from frontal_biped.simulation.space.walk_path import walk_path
+    from frontal_biped.simulation.space.walk_spatial import walk_spatial
 
 __all__ = [
     "Disturbances",
@@ -39,3 +46,15 @@ __all__ = [
     "world_configurations",
     "world_motion",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "walk_path":
+        from frontal_biped.simulation.space.walk_path import walk_path
+
+        return walk_path
+    if name == "walk_spatial":
+        from frontal_biped.simulation.space.walk_spatial import walk_spatial
+
+        return walk_spatial
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
