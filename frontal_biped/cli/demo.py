@@ -42,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 @contextmanager
 def _lasting() -> Iterator[None]:
-    """What is imported stays: to look through it for garbage, now and again later, takes as long as to draw a figure."""
+    """What is imported stays: to look through it for garbage, now and later, takes as long as to draw a figure."""
     gc.disable()
     try:
         yield

@@ -81,9 +81,11 @@ def _variable(colour: str) -> str:
 
 def _both_schemes(svg: str) -> str:
     """A figure whose colours of `DARK` are variables of the page's style, lest it shine in the dark."""
-    for light in DARK:
-        svg = re.sub(rf"(?<=: ){light}\b", f"var({_variable(light)}, {light})", svg)
-    return svg
+    return _COLOUR.sub(lambda found: f"var({_variable(found[0])}, {found[0]})" if found[0] in DARK else found[0], svg)
+
+
+_COLOUR = re.compile(r"(?<=: )#[0-9a-f]{6}\b")
+"""A colour in a style."""
 
 
 def _numbers_table(rows: Sequence[NumberRow]) -> str:

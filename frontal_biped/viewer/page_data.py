@@ -15,7 +15,7 @@ from frontal_biped.simulation.space.run import SpatialRun
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.simulation.world import FEET, Phased, frame_times, phase_spans
 from frontal_biped.viewer.channels import frame_rate, packed
-from frontal_biped.viewer.markers import COM, CONTACT, TRACE, swing_traces
+from frontal_biped.viewer.markers import COM, CONTACT, TRACE
 from frontal_biped.viewer.planar_motion import planar_motion
 from frontal_biped.viewer.scene import FIRST, GHOST, SECOND, Actor, frontal_camera
 from frontal_biped.virtual_constraints.phase import StepPhase
@@ -123,7 +123,6 @@ def _parts(actors: Sequence[Actor]) -> list[dict[str, Any]]:
 
 def _run(actor: Actor, plots: bool) -> dict[str, Any]:
     run, biped = actor.trajectory, actor.biped
-    traces = swing_traces(biped, run) if actor.marked else []
     return {
         "node": actor.node,
         "robot": biped.name,
@@ -136,7 +135,7 @@ def _run(actor: Actor, plots: bool) -> dict[str, Any]:
         "pushes": _pushes(run),
         "traces": [
             {"foot": trace.foot.value, "start": trace.start, "end": trace.end, "pieces": len(trace.points) - 1}
-            for trace in traces
+            for trace in actor.traces
         ],
         "limits": _limits(biped),
         "samples": samples(biped, run) if plots else None,

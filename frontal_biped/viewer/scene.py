@@ -6,6 +6,7 @@ node per joint, the shapes below it placed once.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.simulation.trajectory import Trajectory
 from frontal_biped.simulation.world import FEET, WorldMotion, drawable, frame_times, resample, world_motion
-from frontal_biped.viewer.markers import COM, CONTACT, draw_markers, draw_traces, swing_traces
+from frontal_biped.viewer.markers import COM, CONTACT, SwingTrace, draw_markers, draw_traces, swing_traces
 from frontal_biped.viewer.placements import at, from_y_axis
 from frontal_biped.viewer.robot_shapes import Colour, draw_robot
 from frontal_biped.viewer.tracks import REPETITIONS, add_track, clip_of
@@ -59,6 +60,11 @@ class Actor:
     def duration(self) -> float:
         """Of its run [s]."""
         return float(self.trajectory.t[-1] - self.trajectory.t[0])
+
+    @cached_property
+    def traces(self) -> list[SwingTrace]:
+        """Of its swing foot, where it is marked."""
+        return swing_traces(self.biped, self.trajectory) if self.marked else []
 
 
 def cast(
@@ -123,7 +129,7 @@ def draw_scene(visualizer: Any, actors: Sequence[Actor]) -> None:
         draw_robot(place[ROBOT], actor.biped, actor.colour)
         if actor.marked:
             draw_markers(place, actor.biped)
-            draw_traces(place, actor.biped, swing_traces(actor.biped, actor.trajectory))
+            draw_traces(place, actor.biped, actor.traces)
 
 
 def robot_camera(biped: FrontalBiped) -> dict[str, list[float]]:
