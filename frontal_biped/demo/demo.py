@@ -114,11 +114,11 @@ def _compute(
     gait = design.gait
     # work goes to a process on every other processor; what none has begun when the rest is done is done here
     with worker_processes(min(max(1, len(os.sched_getaffinity(0)) - 1), PARTS), copies=True) as executor:
-        robust_card = _Shared(executor, _robust_card, biped, SHOWN_STABILISERS[-1:], SHOWN_PUSHES)
+        robust_card = _Shared(executor, _robust_card, biped, figures, SHOWN_STABILISERS[-1:], SHOWN_PUSHES)
         card = _Shared(executor, _card, biped, gait, SHOWN_STABILISERS)
         compared = _Shared(executor, _compare_periods, biped, gait)
         outcomes = _Shared(executor, _take_speed_errors, biped, gait)
-        sensitivity = _Shared(executor, _lose_invariance, biped, gait, REVERSAL_ERRORS)
+        sensitivity = _Shared(executor, _lose_invariance, biped, figures, gait, REVERSAL_ERRORS)
         sampled = _Shared(executor, _sampled, biped, gait, CONTROL_PERIOD, STEPS)
         with timed("analysis"):
             analysis = analyze(biped, gait)
@@ -141,6 +141,8 @@ def _compute(
             cards = {"this": card.result()}
             if (of_robust := robust_card.result()) is not None:
                 cards["robust"] = of_robust
+            else:
+                _draw_map(figures, cards["this"], "this")
     periods = np.log([run.period for run in compared.result()])
     errors = np.log([run.worst_output_error for run in compared.result()])
     states = run.post_impact_states()
@@ -160,7 +162,7 @@ def _compute(
         robustness=cards,
         seconds=seconds,
     )
-    return report, run, gait, paths
+    return report, run, gait, [*paths, figures / "sensitivity.svg", figures / "return_map.svg"]
 
 
 def _proved(
@@ -181,9 +183,16 @@ def _take_speed_errors(biped: FrontalBiped, gait: Gait) -> tuple[SpeedErrorOutco
     return tuple(speed_error_outcome(biped, gait, error, steps=SPEED_ERROR_STEPS) for error in SPEED_ERRORS)
 
 
-def _lose_invariance(biped: FrontalBiped, gait: Gait, shifts: tuple[float, ...]) -> SensitivityExperiment:
-    """What errors of the reversal do to the gait."""
-    return reversal_sensitivity(biped, gait, shifts=shifts)
+def _lose_invariance(
+    biped: FrontalBiped, figures: Path, gait: Gait, shifts: tuple[float, ...]
+) -> SensitivityExperiment:
+    """What errors of the reversal do to the gait, with its figure."""
+    from frontal_biped.figures.robustness import sensitivity
+    from frontal_biped.figures.write import write_figure
+
+    experiment = reversal_sensitivity(biped, gait, shifts=shifts)
+    write_figure(figures, "sensitivity", sensitivity(experiment.runs))
+    return experiment
 
 
 def _compare_periods(biped: FrontalBiped, gait: Gait) -> tuple[SampledRun, ...]:
@@ -198,13 +207,13 @@ def _card(biped: FrontalBiped, gait: Gait, stabilisers: tuple[str, ...]) -> Robu
 
 
 def _robust_card(
-    biped: FrontalBiped, stabilisers: tuple[str, ...], pushes: tuple[tuple[str, float], ...]
+    biped: FrontalBiped, figures: Path, stabilisers: tuple[str, ...], pushes: tuple[tuple[str, float], ...]
 ) -> RobustnessCard | None:
-    """What the gait of the specification `robust` can take; None where the robot has none."""
+    """What the gait of the specification `robust` can take, with its figure; None where the robot has none."""
     robust = optimise_gait(biped, load_specification("robust")).gait
     if robust is None:
         return None
-    return robustness_card(
+    card = robustness_card(
         biped,
         robust,
         stabilisers=stabilisers,
@@ -212,6 +221,15 @@ def _robust_card(
         push_resolution=PUSH_RESOLUTION,
         samples=DRAWN_MAP_SAMPLES,
     )
+    _draw_map(figures, card, "robust")
+    return card
+
+
+def _draw_map(figures: Path, card: RobustnessCard, name: str) -> None:
+    from frontal_biped.figures.robustness import return_map
+    from frontal_biped.figures.write import write_figure
+
+    write_figure(figures, "return_map", return_map(card, f"{name} gait"))
 
 
 def _sampled(
@@ -223,12 +241,8 @@ def _sampled(
 
 def _draw(biped: FrontalBiped, run: Trajectory, report: DemoReport, paths: list[Path], folder: Path) -> None:
     from frontal_biped.demo.page import report_page
-    from frontal_biped.figures.robustness import ROBUSTNESS_FIGURES, return_map, sensitivity
-    from frontal_biped.figures.write import write_figure
+    from frontal_biped.figures.robustness import ROBUSTNESS_FIGURES
 
-    paths = paths + write_figure(folder / "figures", "sensitivity", sensitivity(report.sensitivity.runs))
-    name, card = list(report.robustness.items())[-1]
-    paths += write_figure(folder / "figures", "return_map", return_map(card, f"{name} gait"))
     drawn = [
         (ROBUSTNESS_FIGURES.get(path.stem, path.stem), path.read_text(encoding="utf-8"))
         for path in paths
