@@ -9,6 +9,7 @@ Of a walk in space `write_space_figures` draws footsteps from above, pressure in
 its closed form, the speed against the command, and what every joint used of its limits.
 """
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from frontal_biped.figures.style import figure_svg
@@ -27,6 +28,7 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name != "write_space_figures":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from frontal_biped.figures.space import write_space_figures  # brings the simulation of walks in space
-
-    return write_space_figures
+    # brings the simulation of walks in space, which no other figure needs
+    value = import_module(f"{__name__}.space").write_space_figures
+    globals()[name] = value  # asked for once; and pdoc looks into the module's dictionary
+    return value

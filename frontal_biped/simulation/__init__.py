@@ -3,6 +3,7 @@
 Walks in space bring controllers and engines that no planar walk needs: they are imported when first asked for.
 """
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from frontal_biped.simulation.disturbances import Disturbances
@@ -49,12 +50,8 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name == "walk_path":
-        from frontal_biped.simulation.space.walk_path import walk_path
-
-        return walk_path
-    if name == "walk_spatial":
-        from frontal_biped.simulation.space.walk_spatial import walk_spatial
-
-        return walk_spatial
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name not in ("walk_path", "walk_spatial"):
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"{__name__}.space.{name}"), name)
+    globals()[name] = value  # asked for once; and pdoc looks into the module's dictionary
+    return value
