@@ -31,8 +31,10 @@ def run(arguments: argparse.Namespace) -> int:
     with _lasting():
         from frontal_biped.demo.demo import make_demo
         from frontal_biped.demo.page import report_page  # noqa: F401  for the end, and imported best with the rest
+        from frontal_biped.figures.style import require_matplotlib
         from frontal_biped.model.catalogue import load_robot
 
+        require_matplotlib()
         biped = load_robot(arguments.robot)
     with Progress("demo:") as progress:
         report = make_demo(biped, arguments.out, on_progress=progress.update, prove=arguments.prove)

@@ -26,6 +26,7 @@ from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.demo.report import DemoReport, SampledRun
 from frontal_biped.design.optimise import optimise_gait
 from frontal_biped.exceptions import DesignFailedError
+from frontal_biped.figures.style import require_matplotlib
 from frontal_biped.files.atomic import require_folder, write_json
 from frontal_biped.gait.file import save_gait
 from frontal_biped.gait.gait import Gait
@@ -76,6 +77,7 @@ def make_demo(biped: FrontalBiped, folder: Path, on_progress: Say | None = None,
         OSError: the folder cannot be written.
     """
     require_folder(folder)
+    require_matplotlib()
     say = on_progress or (lambda _: None)
     seconds: dict[str, float] = {}
     with tempfile.TemporaryDirectory(prefix="frontal-biped-") as scratch:

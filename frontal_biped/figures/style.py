@@ -94,6 +94,18 @@ def styled(function: Callable[_P, _R]) -> Callable[_P, _R]:
     return run
 
 
+@styled
+def require_matplotlib() -> None:
+    """Import what figures need of Matplotlib.
+
+    Raises:
+        MissingExtraError: it is not installed.
+    """
+    import matplotlib.backends.backend_agg
+    import matplotlib.backends.backend_svg
+    import matplotlib.figure  # noqa: F401
+
+
 def new_figure(name: str, height: float, width: float = COLUMN) -> "Figure":
     """An empty figure of the given size [in]; its name seeds the ids of its SVG."""
     from frontal_biped.figures.inline import InlineFigure
