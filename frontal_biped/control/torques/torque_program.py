@@ -14,7 +14,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.torques.few_rows import FewRows, compiled
 from frontal_biped.control.torques.limits import WalkingLimits
-from frontal_biped.control.torques.linearisation import JOINTS, Motion, StanceDynamics, StanceModel, Targets
+from frontal_biped.control.torques.linearisation import Motion, StanceDynamics, StanceModel, Targets
 from frontal_biped.control.torques.nearest_motion import NearestMotion
 from frontal_biped.control.torques.relaxation import relaxed, violation, weights, widened
 from frontal_biped.control.torques.walking_qp import DDQ, DELTA, FORCE, FORCES, VARIABLES, PosedProgram, U, WalkingQp
@@ -82,8 +82,8 @@ class TorqueProgram:
     def __init__(self, biped: FrontalBiped, settings: ControllerSettings) -> None:
         price = settings.relaxation_price if settings.outputs == "clf" else None
         self.qp = WalkingQp(biped, WalkingLimits.of(biped, settings), price)
-        self._most_torque: list[float] = self.qp.limits.contact.max_torque.tolist()
-        self._least_torque = [-most for most in self._most_torque]
+        self._most_torque = self.qp.limits.contact.max_torque
+        self._least_torque = -self._most_torque
         self._stance = StanceModel(biped)
         self._exact = settings.solver != "proxqp"
         self._nearest = NearestMotion(self.qp)
@@ -146,8 +146,7 @@ class TorqueProgram:
 
     def _clipped(self, u: FloatArray) -> FloatArray:
         """The torques within the motors' limits to the last digit, whatever the tolerance they were found to."""
-        # in plain numbers, as `tracking`
-        return np.fromiter(map(min, map(max, u.tolist(), self._least_torque), self._most_torque), float, JOINTS)
+        return np.minimum(np.maximum(u, self._least_torque), self._most_torque)
 
     def _by_proxqp(self, dynamics: StanceDynamics, targets: Targets) -> Answer | None:
         """ProxQP's answer, of the relaxed program where it finds none; None where it finds neither."""

@@ -72,9 +72,10 @@ class ErrorDynamics:
         dy_1, dy_2, dy_3 = dq_1 - rate * c_1, dq_2 - rate * c_2, dq_3 - rate * c_3
         v_1, v_2, v_3 = drag * dy_1 + pull * y_1, drag * dy_2 + pull * y_2, drag * dy_3 + pull * y_3
         # fmt: off
-        found = np.array((
+        numbers = (
             0.0, v_1 + b_1, v_2 + b_2, v_3 + b_3, 1.0, c_1, c_2, c_3,
             y_1, y_2, y_3, dy_1, dy_2, dy_3, v_1, v_2, v_3, b_1, b_2, b_3,
-        ))
+        )
         # fmt: on
+        found = np.fromiter(numbers, float, len(numbers))  # faster than `np.array`
         return Tracked(found[:8].reshape(2, 4), found[8:11], found[11:14], found[14:17], found[17:])
