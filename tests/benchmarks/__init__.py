@@ -1,15 +1,15 @@
 """What things cost, measured beside their peers in one run. No time is asserted; quote ratios, times are the machine's.
 
 **Designs**, `benchmark_design.py --quick` (extra ``bench``, ``OMP_NUM_THREADS=1``): CPU time of whole designs from the
-default start, as a ratio to `optimise_gait` in the same run, one thread; medians of four runs with nothing beside them,
-of two in the last two rows:
+default start, as a ratio to `optimise_gait` in the same run, one thread; medians of three runs with nothing beside
+them:
 
                                                               reference    pelvis within 5 degrees
     optimise_gait: optimiser, dense check, simulated step       1            1
-    the same problem in CasADi with IPOPT, exact Hessian     18.9         16.6
-      of which IPOPT, its derivative graphs already built     3.5          2.5, from 1.8 to 3.2
-    optimiser alone                                           0.63         0.59
-    SciPy SLSQP, our exact gradients                          5.7          3.6
+    the same problem in CasADi with IPOPT, exact Hessian     23.3         22.7
+      of which IPOPT, its derivative graphs already built     4.6          3.7
+    optimiser alone                                           0.56         0.70
+    SciPy SLSQP, our exact gradients                          5.9          3.9
 
 All of these reach the optimum. Of SciPy trust-constr and IPOPT without second derivatives, 60 s each on our gradients,
 only the latter did, and on the second specification alone, when that was last tried. Beside the package of commit
@@ -23,14 +23,13 @@ one loop; medians over 4000 ticks, as a ratio to TSID's, which is C++ and solves
 variables):
 
                                                 default     solver "compiled" (Numba)
-    walking, no limit active                    0.53        0.59
-    1 mrad off                                  0.54        0.57
-    10 mrad off, 92 % of ticks at a limit       1.57        0.57
-    weak motors, 73 % of ticks at a limit       1.62        0.59
+    walking, no limit active                    0.57        0.63
+    1 mrad off                                  0.57        0.63
+    10 mrad off, 92 % of ticks at a limit       1.07        0.58
+    weak motors, 73 % of ticks at a limit       1.07        0.58
 
-Of 4000 states up to a radian off the gait, the slowest tick (the least of 30, of each of the 40 slowest) took 9.4 and
-9.7 walking ticks in two runs, 14 and 17 in two others on the same machine, busier, before ticks took their last quarter
-less.
+Of 4000 states up to a radian off the gait, the slowest tick (the least of 30, of each of the 40 slowest) took 9.2
+walking ticks by default and 7.7 by solver "compiled" on a quiet machine; on a busy one 8.5 to 12.
 
 **Looking ahead** (stabiliser ``adaptive``), `benchmark_look_ahead.py`, ms on a busy machine, 1000 speeds over the
 basin:
@@ -46,16 +45,16 @@ Every answer is the computed one. Landings off the planned pose are answered as 
 **Simulated time**, `benchmark_simulation.py --against TREE`, ms of CPU a simulated second, Table I robot, 8 steps,
 before (6097817) and now in turn on a quiet machine:
 
-    continuous, rtol 1e-8, phases fixed          90          30.5
-    1 kHz, the controller told the state        153          53.6
-    1 kHz, the walker                           293         129
-    the walker in MuJoCo                        294         153
+    continuous, rtol 1e-8, phases fixed          91          25.7
+    1 kHz, the controller told the state        135          54.1
+    1 kHz, the walker                           256         107
+    the walker in MuJoCo                        296         110
 
 **What a user waits for**, `benchmark_waiting.py` or the command itself, processor time of all processes, before and
 now in turn: a GIF of 16 s of continuous walking takes 13 s where it took 140 (fewer and smaller pictures are part of
-that; the steps of that walk take a whole number of pictures); on a quiet machine the robustness card takes 9.6 and 9.7
-s where it took 38.9 and 46.0, the demonstration 10.5 to 14.2 s where it took 25.2 to 29.9, 6.6 to 9.2 s by the clock
-where it took 14.7 to 25.0.
+that; the steps of that walk take a whole number of pictures); on a quiet machine the robustness card takes 7.5 s where
+it took 39.9 (medians of three; 7.0 to 7.6), the demonstration 9.3 to 11.0 s where it took 31.5 to 34.3, 6.0 to 6.8 s by
+the clock where it took 18.4 to 20.8.
 
 **The studio**, `benchmark_studio.py`: from a slider to a new gait 0.19 s of processor time where it took 0.34, medians
 of 20 changes in turn on a busy machine; 0.7 s at most.
