@@ -11,10 +11,10 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.control.interface import Commands
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.stabilisers.transitions import FixedTransitions, ReanchoringTransitions, Stabiliser
-from frontal_biped.control.torques.linearisation import BODY_JOINTS, JOINTS, Motion, StanceDynamics, Targets
+from frontal_biped.control.torques.linearisation import BODY_JOINTS, JOINTS, StanceDynamics, Targets
 from frontal_biped.control.torques.linearising_many import keep_all, linearising_motions
 from frontal_biped.control.torques.lyapunov import LyapunovFunction, least_acceleration
-from frontal_biped.control.torques.torque_program import Source, TorqueProgram
+from frontal_biped.control.torques.torque_program import CLOSED_FORM, Source, TorqueProgram
 from frontal_biped.control.torques.tracking import ErrorDynamics
 from frontal_biped.control.torques.walking_qp import FORCES, OUTPUT_ACCELERATION
 from frontal_biped.exceptions import ReversalError, UnreachablePoseError
@@ -32,9 +32,6 @@ _log = logging.getLogger(__name__)
 
 SOLVED = (Source.CLOSED_FORM, Source.PROGRAM)
 """Sources of torques that keep every limit."""
-
-CLOSED_FORM = Source.CLOSED_FORM
-"""Kept: a member of an enumeration is a search, and most ticks name this one."""
 
 SHIFT_ROOM = 0.7
 """Share of the sole, from the ankle outwards, inside which a shifted FRI target stays [-]: a robot that is a fifth
@@ -193,20 +190,25 @@ class QpController:
             p_fri = self._shifted(p_fri, fri_shift)
         line, y, dy, ddy, curve = self._errors.at(q, dq, dq.item(0), h_d, h_d1, h_d2)
         dynamics = self.program.dynamics(state)
-        command, motion = self._on_line(state, dynamics, line, y, dy, p_fri)
-        return command or self._answered(phase, state, Targets(h_d1, curve, ddy, p_fri), y, dy, dynamics, motion)
+        command, oversteps = self._on_line(state, dynamics, line, y, dy, p_fri)
+        return command or self._answered(phase, state, Targets(h_d1, curve, ddy, p_fri), y, dy, dynamics, oversteps)
 
     def _on_line(
         self, state: State, dynamics: StanceDynamics, line: FloatArray, y: FloatArray, dy: FloatArray, p_fri: float
-    ) -> tuple[Command | None, Motion | None]:
-        """The command that linearises, or the motion that oversteps limits; neither where another solver is asked."""
-        motion = dynamics.on_line(line, p_fri) if self._exact else None
-        if motion is None or not self.program.qp.limits.keep(state, motion):
-            return None, motion
+    ) -> tuple[Command | None, bool]:
+        """The command that linearises; where there is none, does one overstep limits?
+
+        Not sought where the last tick was at limits, for this one mostly is too, nor where another solver is asked.
+        """
+        motion = dynamics.on_line(line, p_fri) if self._exact and not self.program.at_limits else None
+        if motion is None:
+            return None, False
+        if not self.program.qp.limits.keep(state, motion):
+            return None, True
         ddq, forces = motion
         command = self._last = Command(forces[BASE:], ddq, forces[:FORCES], y, dy, p_fri, CLOSED_FORM)
         self.counts[CLOSED_FORM] += 1
-        return command, None
+        return command, False
 
     def _shifted(self, p_fri: float, shift: float) -> float:
         """A FRI target moved, inside the sole [m]."""
@@ -234,15 +236,15 @@ class QpController:
             dynamics: at the state, where they are known already.
             line: `Targets.line` of the targets, where it is known already.
         """
-        motion = None
+        oversteps = False
         if dynamics is not None and line is not None:
             # of a state that is not finite no motion keeps the limits
-            command, motion = self._on_line(state, dynamics, line, y, dy, targets.p_fri)
+            command, oversteps = self._on_line(state, dynamics, line, y, dy, targets.p_fri)
             if command is not None:
                 return command
         if not _finite(state):
             return self._without_a_state(phase, state)
-        return self._answered(phase, state, targets, y, dy, dynamics, motion)
+        return self._answered(phase, state, targets, y, dy, dynamics, oversteps)
 
     def _without_a_state(self, phase: StepPhase, state: State) -> Command:
         return self._counted(self._held(), phase, state, "the state is not finite")
@@ -255,10 +257,10 @@ class QpController:
         y: FloatArray,
         dy: FloatArray,
         dynamics: StanceDynamics | None = None,
-        overstepping: Motion | None = None,
+        oversteps: bool = False,
     ) -> Command:
-        """The program's answer at a finite state; where known, the motion that meets all targets and not all limits."""
-        answer = self.program.solve(state, targets, dynamics, overstepping)
+        """The program's answer at a finite state; is it known that what meets all targets does not keep all limits?"""
+        answer = self.program.solve(state, targets, dynamics, oversteps)
         if answer is None:
             return self._counted(self._held(y, dy, targets.p_fri), phase, state, "the relaxed program is not solved")
         source, u, ddq, force, violation, delta = answer

@@ -142,24 +142,28 @@ class StanceDynamics(NamedTuple):
         point = np.array((1.0, (p_fri * forces.item(F_V) - forces.item(N_0)) / divisor))
         return Motion(point.dot(line), point.dot(of_line))
 
-    def by_residuals(self, targets: Targets, a_0: float, T_0: float, ddq: FloatArray) -> FloatArray | None:
+    def by_residuals(self, targets: Targets, a_0: float, T_0: float) -> FloatArray | None:
         """(4, 5) matrix that takes (r, 1) to the accelerations of a motion with residuals r; None where it is `STEEP`.
 
+        Its last column is `linearising`, to rounding.
+
         Args:
-            targets: that the residuals are of; only the slope h_d' and the FRI target matter.
+            targets: that the residuals are of.
             a_0: unit of the outputs' residuals [rad/s^2].
             T_0: unit of the FRI's [N m].
-            ddq: (4,) accelerations where r is zero [rad/s^2], its last column.
         """
         # in plain numbers, as `tracking`
         (f_1, f_2, f_3, f_4), (n_1, n_2, n_3, n_4) = self.M[F_V : N_0 + 1, BASE:].tolist()
         p = targets.p_fri
         m_1, m_2, m_3, m_4 = n_1 - p * f_1, n_2 - p * f_2, n_3 - p * f_3, n_4 - p * f_4
         c_2, c_3, c_4 = targets.h_d1.tolist()
-        c_1, s_1, s_2, s_3 = 1.0, 0.0, 0.0, 0.0  # s: by how much an output's residual moves the ankle
+        (v_2, v_3, v_4), (b_2, b_3, b_4) = targets.ddy.tolist(), targets.h_d2_dbeta2.tolist()
+        a_2, a_3, a_4 = v_2 + b_2, v_3 + b_3, v_4 + b_4
+        c_1, a_1, s_1, s_2, s_3 = 1.0, 0.0, 0.0, 0.0, 0.0  # s: by how much an output's residual moves the ankle
         if targets.sway is not None:
             c_1 = targets.slope().item(0)
             s_1, s_2, s_3 = targets.of_outputs()[0, :FRI].tolist()
+            a_1 = s_1 * a_2 + s_2 * a_3 + s_3 * a_4 - targets.sway.drift / targets.sway.J.item(0)
         I_P = m_1 * c_1 + m_2 * c_2 + m_3 * c_3 + m_4 * c_4
         unit = -a_0 / I_P if I_P else inf
         k_1, k_2, k_3 = unit * (m_2 + m_1 * s_1), unit * (m_3 + m_1 * s_2), unit * (m_4 + m_1 * s_3)
@@ -167,13 +171,14 @@ class StanceDynamics(NamedTuple):
         slope, pull = c_1 * c_1 + c_2 * c_2 + c_3 * c_3 + c_4 * c_4, k_1 * k_1 + k_2 * k_2 + k_3 * k_3 + k_4 * k_4
         if not slope * pull < STEEP * STEEP:
             return None
-        d_1, d_2, d_3, d_4 = ddq.tolist()
+        bias = self.bias.item(N_0) - p * self.bias.item(F_V)
+        x = (m_1 * a_1 + m_2 * a_2 + m_3 * a_3 + m_4 * a_4 + bias) / -I_P
         # fmt: off
         numbers = (
-            c_1 * k_1 + a_0 * s_1, c_1 * k_2 + a_0 * s_2, c_1 * k_3 + a_0 * s_3, c_1 * k_4, d_1,
-            c_2 * k_1 + a_0, c_2 * k_2, c_2 * k_3, c_2 * k_4, d_2,
-            c_3 * k_1, c_3 * k_2 + a_0, c_3 * k_3, c_3 * k_4, d_3,
-            c_4 * k_1, c_4 * k_2, c_4 * k_3 + a_0, c_4 * k_4, d_4,
+            c_1 * k_1 + a_0 * s_1, c_1 * k_2 + a_0 * s_2, c_1 * k_3 + a_0 * s_3, c_1 * k_4, a_1 + x * c_1,
+            c_2 * k_1 + a_0, c_2 * k_2, c_2 * k_3, c_2 * k_4, a_2 + x * c_2,
+            c_3 * k_1, c_3 * k_2 + a_0, c_3 * k_3, c_3 * k_4, a_3 + x * c_3,
+            c_4 * k_1, c_4 * k_2, c_4 * k_3 + a_0, c_4 * k_4, a_4 + x * c_4,
         )
         # fmt: on
         return np.fromiter(numbers, float, len(numbers)).reshape(JOINTS, JOINTS + 1)  # twice as fast as `np.array`

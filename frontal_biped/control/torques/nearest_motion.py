@@ -22,8 +22,8 @@ import numpy as np
 
 from frontal_biped.arrays import FloatArray
 from frontal_biped.control.torques.limit_rows import LimitRows
-from frontal_biped.control.torques.linearisation import BODY_JOINTS, FRI, JOINTS, Motion, StanceDynamics, Targets
-from frontal_biped.control.torques.nearest_residuals import ROOM, distance, nearest_residuals
+from frontal_biped.control.torques.linearisation import BODY_JOINTS, FRI, JOINTS, StanceDynamics, Targets
+from frontal_biped.control.torques.nearest_residuals import ROOM, TARGETS_MET, distance, nearest_residuals
 from frontal_biped.control.torques.relaxation import Overstepping
 from frontal_biped.control.torques.walking_qp import OUTPUT_ACCELERATION, WalkingQp
 from frontal_biped.model.biped import BASE
@@ -38,12 +38,14 @@ class Nearest(NamedTuple):
         forces: (7,) of `Motion` [N, N m].
         relaxation: delta of the control Lyapunov function [rad/s^2].
         violation: by how much limits are overstepped, in the units of the program [-]; 0 where none had to give way.
+        limited: does any limit or condition keep the targets from being met?
     """
 
     ddq: FloatArray
     forces: FloatArray
     relaxation: float
     violation: float
+    limited: bool
 
 
 class NearestMotion:
@@ -61,7 +63,7 @@ class NearestMotion:
         self.rows, self.torque_unit, self._price = LimitRows(qp), qp.torque_unit, qp.price
         self._overstepping = Overstepping(self.rows.weight)
 
-    def solve(self, dynamics: StanceDynamics, targets: Targets, linearising: Motion) -> Nearest | None:
+    def solve(self, dynamics: StanceDynamics, targets: Targets) -> Nearest | None:
         """The optimum at the state of the dynamics.
 
         None where it is not known to rounding: I_P nearly vanishes, or the state is far outside of everything.
@@ -69,16 +71,13 @@ class NearestMotion:
         Args:
             dynamics: at the state.
             targets: what is asked of it.
-            linearising: the motion that meets them, limits left aside.
         """
-        origin = linearising
-        if targets.decrease is not None:  # from v = 0
-            origin = dynamics.linearising(targets._replace(ddy=np.zeros(BODY_JOINTS))) or linearising
-        motion = dynamics.by_residuals(targets, OUTPUT_ACCELERATION, self.torque_unit, origin.ddq)
+        asked = targets if targets.decrease is None else targets._replace(ddy=np.zeros(BODY_JOINTS))  # from v = 0
+        motion = dynamics.by_residuals(asked, OUTPUT_ACCELERATION, self.torque_unit)
         if motion is None:
             return None
         forces = dynamics.M[:, BASE:].dot(motion)  # both of (r, 1)
-        forces[:, JOINTS] = origin.forces
+        forces[:, JOINTS] += dynamics.bias
         rows = self.rows.at(dynamics.state, motion, forces)
         try:
             r, delta = self._optimum(rows, targets)
@@ -90,7 +89,7 @@ class NearestMotion:
                 r, delta, violation = self._giving_way(rows, targets)
             except NoFeasiblePointError:
                 return None
-        return Nearest(motion.dot(r), forces.dot(r), delta, violation)
+        return Nearest(motion.dot(r), forces.dot(r), delta, violation, r is not TARGETS_MET)
 
     def _giving_way(self, rows: FloatArray, targets: Targets) -> tuple[FloatArray, float, float]:
         """(r, 1), delta [rad/s^2] and violation [-] with limits that give way as they must.
@@ -125,7 +124,7 @@ class NearestMotion:
         moved = rows.copy()
         moved[ROOM] += pulled.dot(rows)
         r = nearest_residuals(moved)[0]
-        r += pulled
+        r = r + pulled  # it may be read-only
         delta = b + OUTPUT_ACCELERATION * n.dot(r[:FRI]).item()
         if delta < 0.0:
             raise UndecidedError("neither with nor without relaxation")

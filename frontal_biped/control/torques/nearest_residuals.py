@@ -25,9 +25,15 @@ FAR = 100.0
 ROOM = JOINTS
 """Place of the room in the rows, below the four of G; and of the 1 behind r."""
 
+TARGETS_MET = np.array([0.0] * JOINTS + [1.0])
+"""(r, 1) where no row is missed; read-only."""
+TARGETS_MET.flags.writeable = False
+
 
 def nearest_residuals(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
     """(r, 1) of the point r nearest to the origin with rows'(r, 1) >= 0, rows (5, k), and multipliers (k,).
+
+    `TARGETS_MET` itself where that is the origin.
 
     A far one is sought in units of the distance that the farthest row asks for, or rounding would hide it.
 
@@ -35,10 +41,12 @@ def nearest_residuals(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
         NoFeasiblePointError: there is none.
         UndecidedError: it is not known to rounding.
     """
-    unit = _unit(rows)
-    scaled = rows
-    if unit > 1.0:
-        scaled = rows.copy()
+    least_room = _least_room(rows)
+    if least_room >= 0.0:
+        return TARGETS_MET, np.zeros(rows.shape[1])
+    unit, scaled = 1.0, rows
+    if least_room <= -FAR:
+        unit, scaled = distance(rows), rows.copy()
         scaled[ROOM] /= unit
     multipliers = nearest_point_of(scaled, unit)
     r = rows.dot(multipliers)
@@ -76,16 +84,16 @@ def _missed(room: FloatArray, multipliers: FloatArray) -> float:
     return missed
 
 
-def _unit(rows: FloatArray) -> float:
-    """The distance where a row is missed by `FAR` or more; 1 where none is.
+def _least_room(rows: FloatArray) -> float:
+    """What the row that is missed by most leaves at r = 0.
 
     Raises:
-        UndecidedError: one of them is not a finite number.
+        UndecidedError: the room of one of them is not a finite number.
     """
     room = rows[ROOM].tolist()
     if not isfinite(sum(room)):
         raise UndecidedError("the state is far outside of everything")
-    return 1.0 if min(room) > -FAR else distance(rows)
+    return min(room)
 
 
 def distance(rows: FloatArray) -> float:

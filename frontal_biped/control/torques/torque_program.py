@@ -14,7 +14,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.control.settings import ControllerSettings
 from frontal_biped.control.torques.few_rows import FewRows, compiled
 from frontal_biped.control.torques.limits import WalkingLimits
-from frontal_biped.control.torques.linearisation import Motion, StanceDynamics, StanceModel, Targets
+from frontal_biped.control.torques.linearisation import StanceDynamics, StanceModel, Targets
 from frontal_biped.control.torques.nearest_motion import NearestMotion
 from frontal_biped.control.torques.relaxation import relaxed, violation, weights, widened
 from frontal_biped.control.torques.walking_qp import DDQ, DELTA, FORCE, FORCES, VARIABLES, PosedProgram, U, WalkingQp
@@ -47,7 +47,7 @@ class Source(Enum):
     __hash__ = object.__hash__  # as `Stance`
 
 
-PROGRAM, RELAXED = Source.PROGRAM, Source.RELAXED
+CLOSED_FORM, PROGRAM, RELAXED = Source.CLOSED_FORM, Source.PROGRAM, Source.RELAXED
 """Kept: a member of an enumeration is a search."""
 
 
@@ -77,6 +77,9 @@ class TorqueProgram:
     Args:
         biped: the robot.
         settings: limits and tolerances.
+
+    Attributes:
+        at_limits: was a limit active when it was asked last?
     """
 
     def __init__(self, biped: FrontalBiped, settings: ControllerSettings) -> None:
@@ -91,6 +94,7 @@ class TorqueProgram:
         self._solver = ProxQpSolver(settings.accuracy, settings.max_iterations, penalty_parameter=PENALTY_PARAMETER)
         self._relaxed_solver = ProxQpSolver(RELAXED_ACCURACY, settings.max_iterations, relative=RELAXED_ACCURACY)
         self._was_active = False
+        self.at_limits = False
 
     def pose(self, state: State, targets: Targets) -> PosedProgram:
         """The quadratic program at a state, as `solve` solves it by whatever way."""
@@ -105,7 +109,7 @@ class TorqueProgram:
         state: State,
         targets: Targets,
         dynamics: StanceDynamics | None = None,
-        overstepping: Motion | None = None,
+        oversteps: bool = False,
     ) -> Answer | None:
         """Torques at a state; None where even the relaxed program is not solved.
 
@@ -113,34 +117,39 @@ class TorqueProgram:
             state: of the robot.
             targets: what is asked of it.
             dynamics: there, where they are known already.
-            overstepping: the motion that meets the targets, where it is known that it does not keep all limits.
+            oversteps: is it known that the motion that meets the targets does not keep all limits?
         """
         dynamics = dynamics or self._stance.at(state)
-        answer = self._exactly(dynamics, targets, overstepping) if self._exact else None
+        answer = self._exactly(dynamics, targets, oversteps) if self._exact else None
         if answer is None:
             return self._by_proxqp(dynamics, targets)
         self._was_active = False
+        self.at_limits = answer.source is not CLOSED_FORM
         return answer
 
-    def _exactly(self, dynamics: StanceDynamics, targets: Targets, overstepping: Motion | None) -> Answer | None:
+    def _exactly(self, dynamics: StanceDynamics, targets: Targets, oversteps: bool) -> Answer | None:
         """The answer to rounding; None where that cannot be had."""
         few = None if self._few_rows is None else self._few_rows.solve(dynamics, targets)
         if few is not None:
             (ddq, forces), limited = few
-            source = Source.PROGRAM if limited else Source.CLOSED_FORM
+            source = PROGRAM if limited else CLOSED_FORM
             return Answer(source, self._clipped(forces[BASE:]), ddq, forces[:FORCES])
-        motion = overstepping or dynamics.linearising(targets)
-        if motion is None:
-            return None
-        if overstepping is None and self.qp.limits.keep(dynamics.state, motion):
-            # it meets the targets: both costs are zero (with a control Lyapunov function: the least of any v, and
-            # zero), and no other motion can be better
-            forces = motion.forces
-            return Answer(Source.CLOSED_FORM, forces[BASE:], motion.ddq, forces[:FORCES], 0.0, targets.relaxation)
-        nearest = self._nearest.solve(dynamics, targets, motion)
+        # what the last tick was this one mostly is: where the answer is sought first depends on that, and nothing else
+        expected = oversteps or (self.at_limits and targets.decrease is None)
+        nearest = self._nearest.solve(dynamics, targets) if expected else None
+        if not (oversteps or (nearest and nearest.limited)):
+            motion = dynamics.linearising(targets)
+            if motion is None:
+                return None
+            if self.qp.limits.keep(dynamics.state, motion):
+                # it meets the targets: both costs are zero (with a control Lyapunov function: the least of any v, and
+                # zero), and no other motion can be better
+                forces = motion.forces
+                return Answer(CLOSED_FORM, forces[BASE:], motion.ddq, forces[:FORCES], 0.0, targets.relaxation)
+            nearest = nearest or self._nearest.solve(dynamics, targets)
         if nearest is None:
             return None
-        ddq, forces, relaxation, overstepped = nearest
+        ddq, forces, relaxation, overstepped, _ = nearest
         source = RELAXED if overstepped else PROGRAM
         return Answer(source, self._clipped(forces[BASE:]), ddq, forces[:FORCES], overstepped, relaxation)
 

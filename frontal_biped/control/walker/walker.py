@@ -14,12 +14,13 @@ from itertools import islice
 from math import inf
 
 from frontal_biped.arrays import FloatArray
-from frontal_biped.control.controller import CLOSED_FORM, QpController
+from frontal_biped.control.controller import QpController
 from frontal_biped.control.frontal_law import TURNED, FrontalLaw, FrontalSettings
 from frontal_biped.control.interface import PhaseEvent, Reading, WalkerCommand
 from frontal_biped.control.settings import ControllerSettings, sampled_frequency
 from frontal_biped.control.stabilisers.by_name import make_stabiliser
 from frontal_biped.control.stabilisers.transitions import ReanchoringTransitions, Stabiliser
+from frontal_biped.control.torques.torque_program import CLOSED_FORM
 from frontal_biped.control.walker.energy_law import EnergyLaw, EnergySettings
 from frontal_biped.control.walker.estimator_gains import EstimatorSettings
 from frontal_biped.control.walker.measured_state import measured_state

@@ -23,7 +23,7 @@ def test_they_are_those_of_the_program(biped, reference_gait, joint_rate, q, dq,
     qp, state = controller.program.qp, State(q, dq)
     dynamics, targets = StanceModel(biped).at(state), controller.targets(StepPhase.RISING, state)[0]
     origin = dynamics.linearising(targets)
-    motion = dynamics.by_residuals(targets, OUTPUT_ACCELERATION, qp.torque_unit, origin.ddq)
+    motion = dynamics.by_residuals(targets, OUTPUT_ACCELERATION, qp.torque_unit)
     forces = dynamics.M[:, BASE:] @ motion
     forces[:, -1] = origin.forces
     rows, at = LimitRows(qp), np.append(r, 1.0)

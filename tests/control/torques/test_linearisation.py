@@ -23,10 +23,12 @@ def test_residuals_are_what_their_name_says(biped, reference_gait, q, dq, r, p_f
     dynamics = StanceModel(biped).at(State(q, dq))
     targets = QpController(biped, reference_gait).targets(StepPhase.RISING, State(q, dq))[0]._replace(p_fri=p_fri)
     motion = dynamics.linearising(targets)
-    along = dynamics.by_residuals(targets, a_0, T_0, motion.ddq)[:, :-1]
+    by_residuals = dynamics.by_residuals(targets, a_0, T_0)
+    along, linearising = by_residuals[:, :-1], by_residuals[:, -1]
     forces_along = dynamics.M[:, BASE:] @ along
     k = along[0]
     assume(np.max(np.abs(k)) < 1e4)  # elsewhere I_P vanishes, and rounding grows as 1 / I_P
+    assert_close(linearising, motion.ddq, 1e-11, floor=1.0 + np.max(np.abs(motion.ddq)))
     ddq, forces = motion.ddq + along @ r, motion.forces + forces_along @ r
     size = 1.0 + np.max(np.abs(ddq)) * np.max(np.abs(dynamics.M))
     assert_close(biped.inverse_dynamics(q, dq, ddq), forces, 1e-10, floor=size)
@@ -43,8 +45,8 @@ def test_no_residuals_where_the_decoupling_matrix_is_singular(biped, reference_g
     momentum = dynamics.M[:, BASE:] @ np.concatenate([[1.0], targets.h_d1])
     singular = momentum[2] / momentum[1]
     for nearly in (0.0, 1e-14, -1e-14):
-        assert dynamics.by_residuals(targets._replace(p_fri=singular + nearly), 10.0, 20.0, np.zeros(4)) is None
-    assert dynamics.by_residuals(targets, 10.0, 20.0, np.zeros(4)) is not None
+        assert dynamics.by_residuals(targets._replace(p_fri=singular + nearly), 10.0, 20.0) is None
+    assert dynamics.by_residuals(targets, 10.0, 20.0) is not None
 
 
 @given(q=angles, dq=rates, other_q=angles, other_dq=rates)
@@ -57,14 +59,14 @@ def test_a_state_is_evaluated_once_and_for_all(biped, reference_gait, q, dq, oth
     def everything(dynamics):
         motion = dynamics.linearising(targets)
         assume(motion is not None)
-        return dynamics.M, dynamics.bias, *motion, dynamics.by_residuals(targets, 10.0, 20.0, motion.ddq)
+        return dynamics.M, dynamics.bias, *motion, dynamics.by_residuals(targets, 10.0, 20.0)
 
     alone = everything(StanceModel(biped).at(state))
     first = model.at(state)
     kept = [part.copy() for part in everything(first)]
     second = model.at(other)
     second.linearising(theirs)
-    second.by_residuals(theirs, 10.0, 20.0, dq)
+    second.by_residuals(theirs, 10.0, 20.0)
     for part, again, fresh in zip(kept, everything(first), alone, strict=True):
         assert np.array_equal(part, again)
         assert np.array_equal(part, fresh)
@@ -87,9 +89,11 @@ def test_residuals_over_the_sway(biped, q, dq, r, p_fri):
     slope, curve = np.array([2.0, -3.0, 1.0]), np.array([0.5, -0.2, 0.1])
     targets = Targets(slope, curve * sway.rate**2, np.array([1.0, -2.0, 0.5]), p_fri, sway=sway)
     motion = dynamics.linearising(targets)
-    along = dynamics.by_residuals(targets, a_0, T_0, motion.ddq)[:, :-1]
+    by_residuals = dynamics.by_residuals(targets, a_0, T_0)
+    along, linearising = by_residuals[:, :-1], by_residuals[:, -1]
     forces_along = dynamics.M[:, BASE:] @ along
     assume(np.max(np.abs(along)) < 1e4)
+    assert_close(linearising, motion.ddq, 1e-11, floor=1.0 + np.max(np.abs(motion.ddq)))
     ddq, forces = motion.ddq + along @ r, motion.forces + forces_along @ r
     size = 1.0 + np.max(np.abs(ddq)) * np.max(np.abs(dynamics.M))
     assert_close(biped.inverse_dynamics(q, dq, ddq), forces, 1e-10, floor=size)
