@@ -32,9 +32,7 @@ def gauss_newton(point: PointEvaluation, scale: FloatArray, cost_scale: float) -
     return 2.0 * cost_scale * np.einsum("ri,rj->ij", R, R) + REGULAR * np.eye(len(scale))
 
 
-def updated(
-    model: Model, seen: FloatArray | None, step: FloatArray, trial: PointEvaluation, price: Multipliers
-) -> FloatArray:
+def updated(model: Model, seen: FloatArray, step: FloatArray, trial: PointEvaluation, price: Multipliers) -> FloatArray:
     """(P, P) Hessian of the Lagrangian after a step: Powell's damped BFGS update of a model's.
 
     Of the matrix so far with ``seen``, what Gauss-Newton has seen change on the way, so that updates add up to what it
@@ -43,13 +41,13 @@ def updated(
 
     Args:
         model: where the step began.
-        seen: (P, P) change of the Gauss-Newton matrix; None where the step is not taken.
+        seen: (P, P) change of the Gauss-Newton matrix.
         step: (P,) scaled.
         trial: where it ended.
         price: multipliers of its program.
     """
     change = _lagrangian_gradient(model, trial, price) - _lagrangian_gradient(model, model.point, price)
-    for hessian in (model.hessian,) if seen is None else (model.hessian + seen, model.hessian):
+    for hessian in (model.hessian + seen, model.hessian):
         found = _damped_bfgs(hessian, step, change)
         if found is not None:
             return found

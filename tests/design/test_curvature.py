@@ -51,14 +51,6 @@ def test_an_update_has_the_lagrangian_s_curvature_along_the_step(seed):
     assert np.min(np.linalg.eigvalsh(found)) > 0.0
 
 
-def test_a_step_that_is_not_taken_tells_the_same_curvature():
-    x, step = np.random.default_rng(4).normal(size=(2, SIZE))
-    model = model_at(x, 1.0)
-    trial = at(x + SCALE * step, 1.0)
-    unseen = updated(model, None, step, trial, PRICE)
-    assert_close(unseen, updated(model, np.zeros((SIZE, SIZE)), step, trial, PRICE), SAME)
-
-
 def test_an_update_stays_convex_where_the_lagrangian_is_not():
     x, step = np.random.default_rng(5).normal(size=(2, SIZE))
     model = model_at(x, -100.0)
