@@ -6,10 +6,10 @@ them:
 
                                                               reference    pelvis within 5 degrees
     optimise_gait: optimiser, dense check, simulated step       1            1
-    the same problem in CasADi with IPOPT, exact Hessian     23.3         22.7
-      of which IPOPT, its derivative graphs already built     4.6          3.7
-    optimiser alone                                           0.56         0.70
-    SciPy SLSQP, our exact gradients                          5.9          3.9
+    the same problem in CasADi with IPOPT, exact Hessian     22.5         18.8
+      of which IPOPT, its derivative graphs already built     4.8          3.0, from 2.3 to 3.0
+    optimiser alone                                           0.59         0.60
+    SciPy SLSQP, our exact gradients                          6.0          3.3
 
 All of these reach the optimum. Of SciPy trust-constr and IPOPT without second derivatives, 60 s each on our gradients,
 only the latter did, and on the second specification alone, when that was last tried. Beside the package of commit
@@ -25,8 +25,8 @@ variables):
                                                 default     solver "compiled" (Numba)
     walking, no limit active                    0.57        0.63
     1 mrad off                                  0.57        0.63
-    10 mrad off, 92 % of ticks at a limit       1.07        0.58
-    weak motors, 73 % of ticks at a limit       1.07        0.58
+    10 mrad off, 92 % of ticks at a limit       1.00        0.58
+    weak motors, 73 % of ticks at a limit       1.00        0.58
 
 Of 4000 states up to a radian off the gait, the slowest tick (the least of 30, of each of the 40 slowest) took 9.2
 walking ticks by default and 7.7 by solver "compiled" on a quiet machine; on a busy one 8.5 to 12.
