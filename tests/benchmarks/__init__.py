@@ -23,13 +23,13 @@ one loop; medians over 4000 ticks, as a ratio to TSID's, which is C++ and solves
 variables):
 
                                                 default     solver "compiled" (Numba)
-    walking, no limit active                    0.57        0.63
-    1 mrad off                                  0.57        0.63
-    10 mrad off, 92 % of ticks at a limit       1.00        0.58
-    weak motors, 73 % of ticks at a limit       1.00        0.58
+    walking, no limit active                    0.57        0.60
+    1 mrad off                                  0.58        0.57
+    10 mrad off, 92 % of ticks at a limit       0.97        0.57
+    weak motors, 73 % of ticks at a limit       1.02        0.58
 
-Of 4000 states up to a radian off the gait, the slowest tick (the least of 30, of each of the 40 slowest) took 9.2
-walking ticks by default and 7.7 by solver "compiled" on a quiet machine; on a busy one 8.5 to 12.
+Of 4000 states up to a radian off the gait, the slowest tick (the least of 30, of each of the 40 slowest) took 9.0
+and 9.2 walking ticks by default and 7.7 and 8.1 by solver "compiled" on a quiet machine; on a busy one 8.5 to 12.
 
 **Looking ahead** (stabiliser ``adaptive``), `benchmark_look_ahead.py`, ms on a busy machine, 1000 speeds over the
 basin:
@@ -45,16 +45,16 @@ Every answer is the computed one. Landings off the planned pose are answered as 
 **Simulated time**, `benchmark_simulation.py --against TREE`, ms of CPU a simulated second, Table I robot, 8 steps,
 before (6097817) and now in turn on a quiet machine:
 
-    continuous, rtol 1e-8, phases fixed          91          25.7
-    1 kHz, the controller told the state        135          54.1
-    1 kHz, the walker                           256         107
-    the walker in MuJoCo                        296         110
+    continuous, rtol 1e-8, phases fixed          87          23.3
+    1 kHz, the controller told the state        130          50.6
+    1 kHz, the walker                           242         102
+    the walker in MuJoCo                        261         114
 
 **What a user waits for**, `benchmark_waiting.py` or the command itself, processor time of all processes, before and
 now in turn: a GIF of 16 s of continuous walking takes 13 s where it took 140 (fewer and smaller pictures are part of
 that; the steps of that walk take a whole number of pictures); on a quiet machine the robustness card takes 7.5 s where
-it took 39.9 (medians of three; 7.0 to 7.6), the demonstration 9.3 to 11.0 s where it took 31.5 to 34.3, 6.0 to 6.8 s by
-the clock where it took 18.4 to 20.8.
+it took 39.9 (medians of three; 7.0 to 7.6), the demonstration 9.3 to 11.0 s where it took 23.5 to 34.3, 5.8 to 7.0 s by
+the clock where it took 14.0 to 20.8.
 
 **The studio**, `benchmark_studio.py`: from a slider to a new gait 0.19 s of processor time where it took 0.34, medians
 of 20 changes in turn on a busy machine; 0.7 s at most.
