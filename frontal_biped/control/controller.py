@@ -21,6 +21,7 @@ from frontal_biped.exceptions import ReversalError, UnreachablePoseError
 from frontal_biped.gait.planned_step import PlannedStep
 from frontal_biped.model.biped import BASE, FrontalBiped
 from frontal_biped.model.state import State
+from frontal_biped.numerics.between import between
 from frontal_biped.virtual_constraints.contract import RisingConstraints, VirtualConstraints
 from frontal_biped.virtual_constraints.phase import StepPhase
 from frontal_biped.zero_dynamics.half_steps import ConstrainedState
@@ -213,7 +214,7 @@ class QpController:
     def _shifted(self, p_fri: float, shift: float) -> float:
         """A FRI target moved, inside the sole [m]."""
         outer, inner = self.biped.sole
-        return min(max(p_fri + shift, SHIFT_ROOM * outer), SHIFT_ROOM * inner)
+        return between(SHIFT_ROOM * outer, p_fri + shift, SHIFT_ROOM * inner)
 
     def follow(
         self,

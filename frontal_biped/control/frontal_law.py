@@ -35,13 +35,10 @@ from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
 from frontal_biped.model.sway import Sway
 from frontal_biped.numerics.between import between
-from frontal_biped.virtual_constraints.phase import StepPhase
+from frontal_biped.virtual_constraints.phase import FALLING, RISING, StepPhase
 from frontal_biped.virtual_constraints.swayed import BegunPhase, OtherEnd, SwayedPhase
 from frontal_biped.zero_dynamics.poincare import StepOrbit
 from frontal_biped.zero_dynamics.sway_orbit import SwayOrbit
-
-RISING, FALLING = StepPhase.RISING, StepPhase.FALLING
-"""Kept: a member of an enumeration is a search, and every tick asks for them."""
 
 LEARNED = 0.2
 """Share of the sole, from the ankle to either end, that the learned offset may take [-]."""

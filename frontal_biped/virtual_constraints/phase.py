@@ -34,6 +34,10 @@ class StepPhase(Enum):
         return cls.RISING if sign > 0.0 else cls.FALLING
 
 
+RISING, FALLING = StepPhase.RISING, StepPhase.FALLING
+"""Kept: a member of an enumeration is a search, and every tick asks for them."""
+
+
 class ConstrainedMotion(NamedTuple):
     """The robot on the virtual constraints at the points beta (n,): q = (beta, h_d(beta)).
 

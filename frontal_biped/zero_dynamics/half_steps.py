@@ -175,16 +175,14 @@ def _taken(biped: FrontalBiped, phase: VirtualConstraints) -> tuple[float, float
     return energy.start_inertia, energy.spent
 
 
-def _left(taken: tuple[float, float] | None, dbeta: float) -> float:
+def _left(taken: tuple[float, float] | None, dbeta: float, missing: float = 0.0) -> float:
     if taken is None:
         return BLOCKED
     inertia, spent = taken
-    surplus = 0.5 * (inertia * dbeta) ** 2 - spent
+    surplus = 0.5 * (inertia * dbeta) ** 2 - spent + missing
     return surplus if isfinite(surplus) else BLOCKED
 
 
 def surplus_at_end(energy: PhaseEnergy, dbeta: float) -> float:
     """`energy_surplus` of a phase that has been integrated; `BLOCKED` is added where it does not reach its end."""
-    missing = 0.0 if energy.complete else BLOCKED
-    surplus = 0.5 * (energy.start_inertia * dbeta) ** 2 - energy.spent + missing
-    return surplus if isfinite(surplus) else BLOCKED
+    return _left((energy.start_inertia, energy.spent), dbeta, 0.0 if energy.complete else BLOCKED)

@@ -24,6 +24,7 @@ from frontal_biped.arrays import FloatArray
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.stance_map import Stance
+from frontal_biped.numerics.between import between
 from frontal_biped.virtual_constraints.phase import StepPhase
 
 TABLE = 129
@@ -108,6 +109,6 @@ class EnergyLaw:
             share = self.period / self.settings.average
             self.bias[self._stance] += share * (float(D[0] @ unexplained) / inertia - self.bias[self._stance])
         # the foot rocks after a landing, and the estimate with it
-        trust = min(max(self._since / self.settings.blank - 1.0, 0.0), 1.0)
+        trust = between(0.0, self._since / self.settings.blank - 1.0, 1.0)
         wanted = -trust * self.error(phase, beta, dbeta) / self._length[phase] - self.bias[self._stance]
         return inertia * wanted / self._weight

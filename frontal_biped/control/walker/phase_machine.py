@@ -12,10 +12,7 @@ first moments after a landing, when it rings. A push may turn the robot outwards
 from dataclasses import dataclass
 
 from frontal_biped.control.interface import PhaseEvent
-from frontal_biped.virtual_constraints.phase import StepPhase
-
-RISING, FALLING = StepPhase.RISING, StepPhase.FALLING
-"""Kept: a member of an enumeration is a search, and every tick asks for them."""
+from frontal_biped.virtual_constraints.phase import FALLING, RISING
 
 
 @dataclass(frozen=True)
