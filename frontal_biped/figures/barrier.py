@@ -13,6 +13,7 @@ from frontal_biped.figures.style import (
     BETA_LABEL,
     BLACK,
     BLUE,
+    ENERGY_UNIT,
     GREEN,
     PURPLE,
     VERMILION,
@@ -112,11 +113,10 @@ def energy_barrier(
     if energy.reaches_barrier:
         speed = 100.0 * (np.sqrt(top / own) - 1.0)
         upper.set_xlabel(f"tips over from {speed:+.0f} % speed (energy {100.0 * (top / own - 1.0):+.0f} %)")
-    upper.set_ylabel("energy after impact " + r"$\zeta^+$" + "\n" + r"[kg$^2$ m$^4$/s$^2$]")
+    upper.set_ylabel("energy after impact " + r"$\zeta^+$" + "\n" + ENERGY_UNIT)
     lower.set_ylabel(ZETA_LABEL)
     lower.set_xlabel(f"{BETA_LABEL}; rising to the right")
     lower.axhline(0.0, color=BLACK, linewidth=0.8)
-    lower.locator_params(axis="x", nbins=5)
     legend_above(upper, 2)
     figure.align_ylabels([upper, lower])
     return figure

@@ -6,7 +6,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from frontal_biped.analysis.proof import ProofCertificate
-from frontal_biped.figures.style import BLACK, BLUE, GREEN, ORANGE, VERMILION, legend_above, new_figure, styled
+from frontal_biped.figures.style import (
+    BLACK,
+    BLUE,
+    ENERGY_UNIT,
+    GREEN,
+    ORANGE,
+    VERMILION,
+    legend_above,
+    new_figure,
+    styled,
+)
 from frontal_biped.gait.gait import converged_nodes
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.zero_dynamics.proof.imposed_zeros import Interval
@@ -58,7 +68,7 @@ def proved_zeros(biped: FrontalBiped, certificate: ProofCertificate) -> "Figure"
         proof.fixed.found.zeros,
         lambda beta: fixed(beta, problem.nodes).surplus,
     )
-    upper.set_ylabel("E, b fixed\n" + r"[kg$^2$ m$^4$/s$^2$]")
+    upper.set_ylabel(f"E, b fixed\n{ENERGY_UNIT}")
     imposed = proof.imposed
     _panel(
         lower,
@@ -68,7 +78,7 @@ def proved_zeros(biped: FrontalBiped, certificate: ProofCertificate) -> "Figure"
         imposed.places,
         lambda beta: problem.balance(beta).surplus,
     )
-    lower.set_ylabel("S, b imposed\n" + r"[kg$^2$ m$^4$/s$^2$]")
+    lower.set_ylabel(f"S, b imposed\n{ENERGY_UNIT}")
     lower.set_xlabel(r"reversal $\beta - \beta_r^-$ [mrad]")
     legend_above(upper, 2)
     return figure

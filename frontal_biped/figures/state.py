@@ -1,7 +1,7 @@
 """Figures over the state: snapshots, phase portrait, energy of the zero dynamics."""
 
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from frontal_biped.figures.style import (
     BLACK,
     BLUE,
     COLUMN,
+    ENERGY_UNIT,
     GREEN,
     VERMILION,
     ZETA_LABEL,
@@ -19,6 +20,7 @@ from frontal_biped.figures.style import (
     own_or_new,
     panels,
     styled,
+    with_gaps,
 )
 from frontal_biped.gait.gait import Gait
 from frontal_biped.model.biped import FrontalBiped
@@ -47,6 +49,9 @@ IMPACT_ARROW = {
     "shrinkB": 4,
 }
 """How the jump at impact is drawn."""
+
+SAME_PLACE = 1e-3
+"""Distance between two places in a figure that nobody sees, over the extent of what is drawn."""
 
 
 @styled
@@ -80,8 +85,8 @@ def snapshots(biped: FrontalBiped, trajectory: Trajectory, count: int = 7) -> "F
         inside[[0, -1]] += np.array([1.0, -1.0]) * 1e-9
         poses = resample(run, inside)
         _ground(ax, count, pitch)
+        _stick_figures(ax, biped, poses, pitch)
         for k in range(count):
-            _stick_figure(ax, biped, poses, k, k * pitch, 0.35 + 0.65 * k / max(count - 1, 1))
             time = f"{poses.t[k] - run.t[0]:.2f}"
             ax.text(k * pitch, -0.07 * biped.leg_length, time, ha="center", va="top", fontsize=8.0)
         foot = spans[0].stance.value
@@ -111,23 +116,25 @@ def phase_portrait(trajectory: Trajectory, ax: "Axes | None" = None) -> "Figure"
     """
     figure, ax = own_or_new(ax, "phase_portrait", 3.0)
     spans = phase_spans(trajectory)
-    beta, dbeta = trajectory.q[:, 0], trajectory.dq[:, 0]
-    named: set[StepPhase] = set()  # a robot that stands turns to and fro within a step
-    for span in spans:
-        label = None if span.phase in named else span.phase.value
-        named.add(span.phase)
-        colour, style = _LOOKS[span.phase]
-        ax.plot(beta[span.samples], dbeta[span.samples], color=colour, linestyle=style, label=label)
+    states = np.stack([trajectory.q[:, 0], trajectory.dq[:, 0]], axis=1)
+    for phase, (colour, style) in _LOOKS.items():
+        pieces = [span.samples for span in spans if span.phase is phase]
+        if pieces:
+            ax.plot(*with_gaps(states, pieces).T, color=colour, linestyle=style, label=phase.value)
     jumps = [
         (before.samples.stop - 1, after.samples.start) for before, after in pairwise(spans) if after.step != before.step
     ]
-    for k, (i, j) in enumerate(jumps):
-        ax.annotate("", xy=(beta[j], dbeta[j]), xytext=(beta[i], dbeta[i]), arrowprops=IMPACT_ARROW)
-        name = "impact" if k == 0 else None
-        ax.plot(beta[[i, j]], dbeta[[i, j]], "s", color=BLACK, markersize=4.5, linestyle="none", label=name)
+    if jumps:
+        # of arrows that would lie upon each other, as those of a periodic walk, one
+        places = np.round(states[jumps] / (SAME_PLACE * np.maximum(np.ptp(states, axis=0), 1e-12)))
+        _, first = np.unique(places.reshape(len(jumps), -1), axis=0, return_index=True)
+        for before, after in states[jumps][first]:
+            ax.annotate("", xy=after, xytext=before, arrowprops=IMPACT_ARROW)
+        ends = states[jumps].reshape(-1, 2).T
+        ax.plot(*ends, "s", color=BLACK, markersize=4.5, linestyle="none", label="impact")
     turns = [span.samples.start for span in spans if span.phase is StepPhase.FALLING]
     if turns:
-        ax.plot(beta[turns], dbeta[turns], "o", color=GREEN, markersize=6, linestyle="none", label="reversal")
+        ax.plot(*states[turns].T, "o", color=GREEN, markersize=6, linestyle="none", label="reversal")
     ax.axhline(0.0, color=BLACK, linewidth=0.8)
     ax.set_xlabel(BETA_LABEL)
     ax.set_ylabel(r"$\dot\beta$ [rad/s]")
@@ -167,7 +174,7 @@ def energy(biped: FrontalBiped, gait: Gait) -> "Figure":
     upper.plot([], [], "o", color=GREEN, markersize=6, linestyle="none", label="reversal")
     lower.axhline(0.0, color=BLACK, linewidth=0.8)
     upper.set_ylabel(ZETA_LABEL)
-    lower.set_ylabel(r"$V_Z$ of the phase" + "\n" + r"[kg$^2$ m$^4$/s$^2$]")
+    lower.set_ylabel(r"$V_Z$ of the phase" + "\n" + ENERGY_UNIT)
     lower.set_xlabel(BETA_LABEL)
     legend_above(upper, 2)
     figure.align_ylabels([upper, lower])
@@ -178,37 +185,39 @@ def _ground(ax: "Axes", count: int, pitch: float) -> None:
     ax.plot([-0.6 * pitch, (count - 0.4) * pitch], [0.0, 0.0], color=BLACK, linewidth=1.0, zorder=0)
 
 
-def _stick_figure(ax: "Axes", biped: FrontalBiped, poses: Trajectory, k: int, shift: float, darkness: float) -> None:
-    q, side, y = poses.q[k], float(poses.stance[k]), float(poses.stance_y[k])
+def _stick_figures(ax: "Axes", biped: FrontalBiped, poses: Trajectory, pitch: float) -> None:
+    """The robot in K poses side by side, the later the darker."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.colors import to_rgba_array
 
-    def draw(points: FloatArray, colour: str, style: str, width: float) -> None:
-        yz = plane_to_world(points, side, y)
-        ax.plot(
-            yz[:, 0] + shift,
-            yz[:, 1],
-            color=colour,
-            linestyle=style,
-            linewidth=width,
-            alpha=darkness,
-            solid_capstyle="round",
-        )
+    shifts = pitch * np.arange(len(poses.t))
+    darkness = np.linspace(0.35, 1.0, len(poses.t))
+    side, y = poses.stance[:, None], poses.stance_y[:, None]
+    joints = np.array([biped.joint_positions(q) for q in poses.q])
+    middle, roll = joints[:, 1:3].mean(axis=1), biped.pelvis_roll(poses.q)
+    torso = 0.5 * biped.leg_length * np.stack([-np.sin(roll), np.cos(roll)], axis=1)
 
-    joints = biped.joint_positions(q)
+    def placed(*points: FloatArray) -> FloatArray:
+        """(K, n, 2) y and z of n points (K, 2) of every pose, each pose in its place."""
+        yz = plane_to_world(np.stack(points, axis=1), side, y)
+        yz[..., 0] += shifts[:, None]
+        return yz
+
+    def draw(lines: FloatArray, colour: str, style: Any, width: float, cap: str = "round") -> None:
+        colours = to_rgba_array([colour] * len(lines), darkness)
+        looks: dict[str, Any] = {"colors": colours, "linestyles": [style], "linewidths": width, "capstyle": cap}
+        ax.add_collection(LineCollection(list(lines), **looks))
+
     left, right = (BLUE, "-"), (VERMILION, (0, (3, 1.2)))
-    stance_leg, swing_leg = (left, right) if Stance.of_sign(side) is Stance.LEFT else (right, left)
-    draw(joints[[0, 1]], stance_leg[0], stance_leg[1], 2.4)  # type: ignore[arg-type]
-    draw(joints[[3, 2]], swing_leg[0], swing_leg[1], 2.4)  # type: ignore[arg-type]
-    draw(joints[[1, 2]], BLACK, "-", 3.0)
-    middle, roll = joints[1:3].mean(axis=0), float(biped.pelvis_roll(q))
-    up = np.array([-np.sin(roll), np.cos(roll)])
-    torso = 0.5 * biped.leg_length
-    draw(np.array([middle, middle + torso * up]), BLACK, "-", 3.0)
-    head = plane_to_world(middle + 1.18 * torso * up, side, y)
-    ax.plot(head[0] + shift, head[1], "o", color=BLACK, alpha=darkness, markersize=6, markeredgewidth=0.0)
-    soles = sole_ends(biped, world_configurations(biped, _one(poses, k)))[0, :, :, 1:]
-    for foot, colour in zip(soles, (BLUE, VERMILION), strict=True):
-        ax.plot(foot[:, 0] + shift, foot[:, 1], color=colour, alpha=darkness, linewidth=3.2, solid_capstyle="butt")
-
-
-def _one(poses: Trajectory, k: int) -> Trajectory:
-    return resample(poses, poses.t[k : k + 1])
+    left_stands = Stance.of_sign(float(poses.stance[0])) is Stance.LEFT  # as throughout a step
+    stance_leg, swing_leg = (left, right) if left_stands else (right, left)
+    for (colour, style), ends in ((stance_leg, (0, 1)), (swing_leg, (3, 2))):
+        draw(placed(*(joints[:, end] for end in ends)), colour, style, 2.4)
+    draw(placed(joints[:, 1], joints[:, 2]), BLACK, "-", 3.0)
+    draw(placed(middle, middle + torso), BLACK, "-", 3.0)
+    y_head, z_head = placed(middle + 1.18 * torso)[:, 0].T
+    ax.scatter(y_head, z_head, 36.0, to_rgba_array([BLACK] * len(darkness), darkness), linewidths=0.0, zorder=2)
+    soles = sole_ends(biped, world_configurations(biped, poses))[..., 1:]
+    soles[..., 0] += shifts[:, None, None]
+    for foot, (colour, _) in enumerate((left, right)):
+        draw(soles[:, foot], colour, "-", 3.2, "butt")

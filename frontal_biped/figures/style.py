@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 COLUMN = 3.5
 """Width of a figure [in]: one column of a paper, without scaling."""
 
+TICKS = 5
+"""Intervals of an axis at most: more labels than that crowd a column."""
+
 # Okabe and Ito's palette: told apart by colour-blind readers, and of different lightness
 BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, BLACK = (
     "#0072B2",
@@ -118,15 +121,17 @@ def new_figure(name: str, height: float, width: float = COLUMN) -> "Figure":
 def panels(name: str, rows: int, height: float) -> tuple["Figure", list["Axes"]]:
     """A figure of panels on top of each other with one horizontal axis."""
     figure = new_figure(name, height)
-    axes = figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
-    return figure, list(axes)
+    axes = list(figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0])
+    for ax in axes:
+        ax.locator_params(nbins=TICKS)
+    return figure, axes
 
 
 def own_or_new(ax: "Axes | None", name: str, height: float) -> tuple["Figure", "Axes"]:
     """The given axes and their figure, or new ones."""
     if ax is None:
-        figure = new_figure(name, height)
-        return figure, figure.add_subplot()
+        figure, (ax,) = panels(name, 1, height)
+        return figure, ax
     found = ax.get_figure(root=True)
     assert found is not None
     return found, ax
@@ -162,15 +167,19 @@ def shade_phases(axes: Sequence["Axes"], trajectory: Phased) -> None:
 
 def by_phase(trajectory: Phased, values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Time from the first sample and values (T, ...) with a gap after each phase, so that no line bridges an event."""
-    t, pieces = [], []
-    for span in phase_spans(trajectory):
-        t += [trajectory.t[span.samples] - trajectory.t[0], np.array([np.nan])]
-        pieces += [values[span.samples], np.full((1, *values.shape[1:]), np.nan)]
-    return np.concatenate(t), np.concatenate(pieces)
+    spans = [span.samples for span in phase_spans(trajectory)]
+    return with_gaps(trajectory.t - trajectory.t[0], spans), with_gaps(values, spans)
+
+
+def with_gaps(values: FloatArray, pieces: Sequence[slice]) -> FloatArray:
+    """Pieces of values (T, ...) in one array, a gap after each: one line draws them."""
+    gap = np.full((1, *values.shape[1:]), np.nan)
+    return np.concatenate([part for piece in pieces for part in (values[piece], gap)])
 
 
 BETA_LABEL = r"stance ankle angle $\beta$ [rad]"
-ZETA_LABEL = r"$\zeta=\sigma_{\mathrm{FRI}}^2/2$" + "\n" + r"[kg$^2$ m$^4$/s$^2$]"
+ENERGY_UNIT = "[kg² m⁴/s²]"
+ZETA_LABEL = r"$\zeta=\sigma_{\mathrm{FRI}}^2/2$" + "\n" + ENERGY_UNIT
 
 PHASE_LABELS = 0.34
 """Height of the two lines that `shade_phases` writes above its first panel [in]."""

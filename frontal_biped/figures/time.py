@@ -169,7 +169,7 @@ def swing_foot_height(
     specification = _asked(run)
     asked = specification.swing_clearance if clearance is None and specification else clearance
     figure, ax = own_or_new(ax, "swing_foot_height", 3.0)
-    height = 1e3 * np.array([biped.swing_sole(q)[:, 1] for q in run.q])
+    height = 1e3 * biped.swing_sole_heights(run.q).T
     t, ends = by_phase(run, height)
     ax.plot(t, ends[:, 0], color=BLUE, label="inner end")
     ax.plot(t, ends[:, 1], color=VERMILION, linestyle="--", label="outer end")

@@ -118,9 +118,7 @@ def count_zeros(
         return points[beta]
 
     scale = ENERGY_SCALE * abs(problem.balance(problem.planned).required)
-    region = _regular_region(_margin(balance, problem, floor), low, high, problem)
-    if connected:
-        region = [(a, b) for a, b in region if a <= problem.planned <= b]
+    region = _regular_region(_margin(balance, problem, floor), low, high, problem, connected)
     fits: list[Fit] = []
     found: list[Zero] = []
     undecided: list[tuple[float, float]] = []
@@ -171,9 +169,7 @@ def regular_region(problem: ReversalProblem) -> tuple[float, float]:
     if not np.isfinite(own.surplus):
         raise ReversalError(f"no step of the zero dynamics reverses at the planned {problem.planned:.6g} rad")
     margin = _margin(lambda beta: fixed(beta, problem.nodes), problem, REGULAR * own.least_inertia)
-    low, high = problem.bracket
-    region = _regular_region(margin, low, high, problem)
-    return next((a, b) for a, b in region if a <= problem.planned <= b)
+    return _regular_region(margin, *problem.bracket, problem, connected=True)[0]
 
 
 def imposed_regions(problem: ReversalProblem) -> tuple[tuple[float, float], ...]:
@@ -206,15 +202,25 @@ def _others(zeros_: list[Zero], known: list[Zero]) -> list[Zero]:
 
 
 def _regular_region(
-    margin: Callable[[float], float], low: float, high: float, problem: BalancedProblem
+    margin: Callable[[float], float], low: float, high: float, problem: BalancedProblem, connected: bool = False
 ) -> list[tuple[float, float]]:
-    """Intervals of the bracket on which the margin is not negative; its ends are left out by a hair."""
+    """Intervals of the bracket on which the margin is not negative; its ends are left out by a hair.
+
+    Where only the one around the planned reversal is asked for, nothing beyond it is looked at.
+    """
     steps = np.linspace(0.0, 1.0, REGION_POINTS + 2)[1:-1]
     reach = 3.0 * problem.length
     grid = np.unique(
         np.concatenate([low + (high - low) * steps, low + reach * steps, [problem.planned, high - 1e-6 * (high - low)]])
     )
     grid = grid[(grid > low) & (grid < high)]
+    if connected:
+        first = last = int(np.searchsorted(grid, problem.planned))
+        while first > 0 and margin(float(grid[first])) >= 0.0:
+            first -= 1
+        while last < len(grid) - 1 and margin(float(grid[last])) >= 0.0:
+            last += 1
+        grid = grid[first : last + 1]
     inside = np.array([margin(float(beta)) >= 0.0 for beta in grid])
     region: list[tuple[float, float]] = []
     start: float | None = float(grid[0]) if inside[0] else None
