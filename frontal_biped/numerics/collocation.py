@@ -13,15 +13,17 @@ and Newton's method solves a = f(q(a), dq(a)), with derivatives of f by differen
 evaluation of f is of all points together: where f is cheap for many states at once, this is far cheaper than a
 Runge-Kutta method, which has to ask one state after another.
 
+Where a solution is at hand that this one is thought to resemble, such as the last step of a walk, its stretches and its
+accelerations are tried first: they are where Newton's method begins, with its matrix, and no part of what it ends with.
+
 The error is measured by what the last two coefficients of the rates contribute, against the tolerance; the length of
 the stretches follows from it. Where f is not smooth that asks for ever shorter ones, and the method gives up: another
 one is to go past that place, and this one may go on behind it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebint, chebvander
@@ -31,6 +33,9 @@ from frontal_biped.arrays import FloatArray
 
 Acceleration = Callable[[FloatArray, FloatArray], FloatArray | None]
 """f of many states, q (m, n), dq (m, n) to (m, n); None where it is not defined at one of them."""
+
+Factors = tuple[FloatArray, FloatArray]
+"""LU of a matrix, and its exchanged rows."""
 
 DEGREE = 16
 """N; of those tried on walks at rtol 1e-8, 10 to 24, among the cheapest."""
@@ -59,6 +64,9 @@ SMALL = 0.1
 GROWTH, SHRINKAGE, SAFETY = 2.0, 0.4, 0.9
 """How fast the length may change from one stretch to the next, and how much of what the error permits is used."""
 
+_HAIR = 1e-6
+"""Share of a stretch that times of two solutions may differ by and still be the same."""
+
 _PLACES = -np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)
 _TO_SERIES = np.linalg.inv(chebvander(_PLACES, DEGREE))
 _ONCE = chebvander(_PLACES, DEGREE + 1) @ chebint(_TO_SERIES, lbnd=-1.0, axis=0)
@@ -82,6 +90,7 @@ class Stretch:
         q: (N + 1, n) positions at the points, the first of them at the start, the last at the end.
         dq: (N + 1, n) rates there.
         ddq: (N + 1, n) accelerations there.
+        factors: of the matrix that Newton's method found them with, as LAPACK's dgetrf leaves them.
     """
 
     start: float
@@ -89,6 +98,7 @@ class Stretch:
     q: FloatArray
     dq: FloatArray
     ddq: FloatArray
+    factors: Factors
 
     @property
     def end(self) -> float:
@@ -105,6 +115,11 @@ class Stretch:
     @cached_property
     def _series(self) -> FloatArray:
         return _TO_SERIES @ np.concatenate([self.q, self.dq], axis=1)
+
+    def accelerations(self, t: FloatArray) -> FloatArray:
+        """(T, n) at times t (T,) [s]."""
+        values: FloatArray = chebvander(2.0 * (t - self.start) / self.length - 1.0, DEGREE) @ (_TO_SERIES @ self.ddq)
+        return values
 
     def at(self, t: FloatArray) -> FloatArray:
         """(T, 2 n) positions and rates at times t (T,) [s]."""
@@ -130,29 +145,55 @@ class Collocation:
         acceleration: f.
         rtol: relative tolerance of the rates.
         atol: absolute tolerance of the rates.
+        start: when the solution begins [s].
+        like: stretches of one that this one may resemble, in order; from when its first one begins.
     """
 
-    def __init__(self, acceleration: Acceleration, rtol: float, atol: float) -> None:
+    def __init__(
+        self, acceleration: Acceleration, rtol: float, atol: float, start: float = 0.0, like: Sequence[Stretch] = ()
+    ) -> None:
         self._acceleration, self._rtol, self._atol = acceleration, rtol, atol
         self._length, self._iterations = FIRST, 0
+        self._like, self._later = like, start - like[0].start if like else 0.0
 
     def advance(self, t: float, q: FloatArray, dq: FloatArray, until: float) -> Stretch | None:
         """The next stretch, from q (n,), dq (n,) at time t [s], to ``until`` [s] at most.
 
         None where shorter and shorter ones did not meet the tolerance: something near is not smooth.
         """
+        like = self._resembled(t)
+        if like is not None and like.end + self._later <= until:
+            length = like.end + self._later - t
+            guess = like.accelerations(t - self._later + length * _ELAPSED[:, 0])
+            as_long = abs(length - like.length) < _HAIR * length
+            found = self._tried(t, q, dq, length, guess, like.factors if as_long else None)
+            if found is not None:
+                return found
         begun = self._acceleration(q[None], dq[None])
-        for _ in range(TRIES):
-            length = min(self._length, until - t)
-            solved = None if begun is None else self._solved(q, dq, begun, length)
-            error = np.inf if solved is None else self._error(solved[1])
-            factor = SAFETY * error ** (-1.0 / DEGREE) if error > 0.0 else GROWTH
-            most = GROWTH if self._iterations <= EASY else 1.0
-            self._length = length * min(max(factor, SHRINKAGE), most)
-            if solved is not None and error <= 1.0:
-                return Stretch(t, length, *solved)
+        if begun is not None:
+            guess = np.repeat(begun, DEGREE + 1, axis=0)
+            for _ in range(TRIES):
+                found = self._tried(t, q, dq, min(self._length, until - t), guess)
+                if found is not None:
+                    return found
         self._length = FIRST
         return None
+
+    def _tried(
+        self, t: float, q: FloatArray, dq: FloatArray, length: float, guess: FloatArray, factors: Factors | None = None
+    ) -> Stretch | None:
+        """A stretch of this length, if the tolerance is met; what length the next one may have is noted."""
+        solved = self._solved(q, dq, guess, length, factors)
+        error = np.inf if solved is None else self._error(solved[1])
+        factor = SAFETY * error ** (-1.0 / DEGREE) if error > 0.0 else GROWTH
+        most = GROWTH if self._iterations <= EASY else 1.0
+        self._length = length * min(max(factor, SHRINKAGE), most)
+        return Stretch(t, length, *solved) if solved is not None and error <= 1.0 else None
+
+    def _resembled(self, t: float) -> Stretch | None:
+        """The stretch that this solution may resemble from time t [s] on."""
+        at = t - self._later
+        return next((s for s in self._like if s.start - _HAIR * s.length <= at < s.end - _HAIR * s.length), None)
 
     def _error(self, dq: FloatArray) -> float:
         """Of rates (N + 1, n): what the end of their series contributes, in units of the tolerance."""
@@ -164,21 +205,20 @@ class Collocation:
         return self._atol + self._rtol * np.maximum(np.abs(dq[0]), np.abs(dq[-1]))
 
     def _solved(
-        self, q_0: FloatArray, dq_0: FloatArray, begun: FloatArray, h: float
-    ) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+        self, q_0: FloatArray, dq_0: FloatArray, a: FloatArray, h: float, factors: Factors | None
+    ) -> tuple[FloatArray, FloatArray, FloatArray, Factors] | None:
         """Positions, rates and accelerations at the points of a stretch of length h; None where Newton fails.
 
         Args:
             q_0: (n,) where it begins.
             dq_0: (n,) rates there.
-            begun: (1, n) accelerations there.
+            a: (N + 1, n) accelerations at the points to begin with.
             h: length.
+            factors: of the matrix to begin with, or None; also returned, as they are at the end.
         """
-        a = np.repeat(begun, DEGREE + 1, axis=0)
         drifting = q_0 + h * _ELAPSED * dq_0
         once: FloatArray = h * _HALF_ONCE
         twice: FloatArray = h * h * _QUARTER_TWICE
-        factors: Any = None
         before = np.inf
         for self._iterations in range(1, MOST_ITERATIONS + 1):
             q, dq = drifting + twice @ a, dq_0 + once @ a
@@ -186,15 +226,17 @@ class Collocation:
             if found is None:
                 return None
             if slopes is not None:
-                *factors, singular = dgetrf(_newton_matrix(slopes, once, twice), overwrite_a=True)
+                *lu, singular = dgetrf(_newton_matrix(slopes, once, twice), overwrite_a=True)
                 if singular:
                     return None
+                factors = lu[0], lu[1]
+            assert factors is not None  # with slopes
             solved, _ = dgetrs(*factors, (found - a).ravel())
             step = solved.reshape(a.shape)
             a = a + step
             correction = float((np.abs(once @ step).max(axis=0) / self._tolerance(dq)).max())
             if correction <= SMALL:
-                return drifting + twice @ a, dq_0 + once @ a, a
+                return drifting + twice @ a, dq_0 + once @ a, a, factors
             if not correction < before:  # NaN too
                 return None
             if correction > SLOW * before:

@@ -68,11 +68,13 @@ class PhaseFlow:
 
     Attributes:
         pieces: of the solution, in order.
+        stretches: those of them that collocation found.
         begun: state at the start.
         ended: how it ended.
     """
 
     pieces: list[Piece]
+    stretches: list[Stretch]
     begun: State
     ended: Ended
 
@@ -95,6 +97,7 @@ def follow_phase(
     guards: Guards,
     rtol: float,
     atol: float,
+    like: PhaseFlow | None = None,
 ) -> PhaseFlow:
     """Follow a phase from time t [s] to its first event.
 
@@ -107,20 +110,22 @@ def follow_phase(
         guards: whose crossing ends the phase.
         rtol: relative tolerance.
         atol: absolute tolerance.
+        like: the phase of this kind of the last step, which this one may resemble.
     """
     until = t + PHASE_TIME_LIMIT
-    stretches = _collocation(controller, plant, phase, rtol, atol)
+    collocation = _collocation(controller, plant, phase, rtol, atol, t, [] if like is None else like.stretches)
     one_by_one = _OneByOne(controller, plant, phase, guards, rtol, atol)
-    bridge = until - t if stretches is None else BRIDGE
-    pieces: list[Piece] = []
+    bridge = until - t if collocation is None else BRIDGE
+    pieces, stretches = list[Piece](), list[Stretch]()
     here = Ended(t, state, TIMED_OUT)
     values = guards.values(*state)
     while here.t < until:
-        stretch = None if stretches is None else stretches.advance(here.t, *here.state, until)
+        stretch = None if collocation is None else collocation.advance(here.t, *here.state, until)
         ended: Ended | None
         if stretch is not None:
             bridge = BRIDGE
             pieces.append(Piece(stretch.end, stretch.at))
+            stretches.append(stretch)
             ended, values = _first_event(stretch, guards, values)
             here = ended or Ended(stretch.end, State(stretch.q[-1], stretch.dq[-1]), TIMED_OUT)
         else:
@@ -131,11 +136,17 @@ def follow_phase(
             values = guards.values(*here.state)
         if ended is not None:
             break
-    return PhaseFlow(pieces, state, here)
+    return PhaseFlow(pieces, stretches, state, here)
 
 
 def _collocation(
-    controller: Controller, plant: FrontalBiped, phase: StepPhase, rtol: float, atol: float
+    controller: Controller,
+    plant: FrontalBiped,
+    phase: StepPhase,
+    rtol: float,
+    atol: float,
+    start: float,
+    like: list[Stretch],
 ) -> Collocation | None:
     """The method for many states at once; None where the controller answers one at a time."""
     many = many_at_once(controller)
@@ -146,7 +157,7 @@ def _collocation(
         commands = many.commands(phase, q, dq)
         return None if commands is None else plant.many.forward_dynamics(q, dq, commands.u)
 
-    return Collocation(acceleration, rtol, atol)
+    return Collocation(acceleration, rtol, atol, start, like)
 
 
 def _first_event(stretch: Stretch, guards: Guards, before: tuple[float, ...]) -> tuple[Ended | None, tuple[float, ...]]:

@@ -17,7 +17,7 @@ from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.model.perturbation import ModelErrors
 from frontal_biped.model.stance_map import Stance
 from frontal_biped.model.state import State
-from frontal_biped.simulation.continuous import follow_phase
+from frontal_biped.simulation.continuous import PhaseFlow, follow_phase
 from frontal_biped.simulation.loop import Steps
 from frontal_biped.simulation.pushes import PushForces
 from frontal_biped.simulation.recorder import Recorder
@@ -26,6 +26,7 @@ from frontal_biped.simulation.sampled_walk import SampledWalk
 from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.simulation.state_fed import Told
 from frontal_biped.simulation.trajectory import Trajectory
+from frontal_biped.virtual_constraints.phase import StepPhase
 
 
 def simulate_walk(
@@ -110,11 +111,12 @@ def _run_continuously(told: Told, settings: SimulationSettings) -> str:
     """Walk with the controller in charge at every instant; the outcome."""
     engine, controller, t = told.engine, told.controller, 0.0
     controller.begin(engine.phase, *engine.state)
-    n = len(engine.state.q)
+    n, flows = len(engine.state.q), dict[StepPhase, PhaseFlow]()
     while True:
         segment = told.segment(t)
-        plant, tolerances = engine.motion.biped, (settings.rtol, settings.atol)
-        flow = follow_phase(controller, plant, engine.phase, t, engine.state, engine.guards, *tolerances)
+        plant, tolerances, like = engine.motion.biped, (settings.rtol, settings.atol), flows.get(engine.phase)
+        flow = follow_phase(controller, plant, engine.phase, t, engine.state, engine.guards, *tolerances, like)
+        flows[engine.phase] = flow
         began, (t, state, why) = t, flow.ended
         times = np.linspace(began, t, max(2, int(np.ceil((t - began) * settings.record_rate)) + 1))
         x = flow.samples(times)

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from frontal_biped.numerics.collocation import FIRST, Collocation
+from frontal_biped.numerics.collocation import DEGREE, FIRST, Collocation
 
 RTOL, ATOL = 1e-9, 1e-11
 GROWN = 30.0  # errors of single stretches add up, and the oscillator hands them on
 
 
-def follow(acceleration, q, dq, until, t=0.0, rtol=RTOL, atol=ATOL):
+def follow(acceleration, q, dq, until, t=0.0, rtol=RTOL, atol=ATOL, like=()):
     """Stretches from t to ``until``."""
-    method, stretches = Collocation(acceleration, rtol, atol), []
+    method, stretches = Collocation(acceleration, rtol, atol, t, like), []
     q, dq = np.array(q, dtype=float), np.array(dq, dtype=float)
     while t < until:
         stretch = method.advance(t, q, dq, until)
@@ -102,6 +102,53 @@ def test_it_gives_up_before_a_kink_and_goes_on_behind_it():
 @pytest.mark.parametrize("undefined", [lambda q, dq: None, lambda q, dq: np.full_like(q, np.nan)])
 def test_an_acceleration_that_is_not_defined_is_given_up(undefined):
     assert Collocation(undefined, RTOL, ATOL).advance(0.0, np.zeros(2), np.ones(2), 1.0) is None
+
+
+def states_asked(acceleration):
+    """The function, and a list that grows by the number of states of each call."""
+    asked = []
+
+    def counted(q, dq):
+        asked.append(len(q))
+        return acceleration(q, dq)
+
+    return counted, asked
+
+
+@pytest.mark.parametrize("start", [0.0, 3.7])
+def test_a_solution_that_repeats_takes_one_evaluation_a_stretch(start):
+    acceleration, asked = states_asked(lambda q, dq: -np.sin(q) - 0.1 * dq)
+    first = follow(acceleration, [2.0], [0.5], 3.0)
+    asked.clear()
+    again = follow(acceleration, [2.0], [0.5], start + 3.0, t=start, like=first)
+    assert [s.start - start for s in again] == pytest.approx([s.start for s in first], abs=1e-12)
+    assert again[-1].q[-1] == pytest.approx(first[-1].q[-1], abs=GROWN * ATOL)
+    assert asked == [DEGREE + 1] * len(first)
+
+
+@pytest.mark.parametrize("moved", [1e-9, 1e-4, 0.03, 0.5, 3.0])
+def test_where_newtons_method_begins_does_not_move_what_it_finds(moved):
+    """A guess from another start, near or of another motion altogether, is worth its evaluations or nothing."""
+    other = follow(lambda q, dq: -np.sin(q), [2.0], [0.0], 6.0)
+    last = follow(lambda q, dq: -np.sin(q), [2.0 - moved], [0.3 * moved], 6.0, like=other)[-1]
+    start = [2.0 - moved, 0.3 * moved]
+    exact = solve_ivp(lambda _, x: [x[1], -np.sin(x[0])], (0, 6), start, "DOP853", rtol=1e-13, atol=1e-14)
+    assert [last.q[-1, 0], last.dq[-1, 0]] == pytest.approx(exact.y[:, -1], abs=GROWN * RTOL)
+
+
+def test_a_guess_of_another_equation_is_given_up():
+    """Its matrix is of other forces, its accelerations are far too large, and it overflows beyond its start."""
+    other = follow(lambda q, dq: 40.0 * q, [1.0], [2.0], 2.0)
+    last = follow(lambda q, dq: -4.0 * q, [1.0], [0.0], 2.0, like=other)[-1]
+    assert [last.q[-1, 0], last.dq[-1, 0]] == pytest.approx([np.cos(4.0), -2.0 * np.sin(4.0)], abs=GROWN * RTOL)
+
+
+def test_a_guess_of_a_shorter_solution_serves_as_far_as_it_goes():
+    shorter = follow(lambda q, dq: -np.sin(q), [2.0], [0.0], 1.0)
+    stretches = follow(lambda q, dq: -np.sin(q), [2.0], [0.0], 3.0, like=shorter)
+    assert [s.end for s in stretches[: len(shorter)]] == pytest.approx([s.end for s in shorter], abs=1e-12)
+    alone = follow(lambda q, dq: -np.sin(q), [2.0], [0.0], 3.0)
+    assert stretches[-1].q[-1] == pytest.approx(alone[-1].q[-1], abs=GROWN * RTOL)
 
 
 def test_all_points_are_asked_for_together():
