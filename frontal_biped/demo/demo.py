@@ -5,11 +5,9 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -33,6 +31,7 @@ from frontal_biped.gait.gait import Gait
 from frontal_biped.gait.shipped import load_specification
 from frontal_biped.gait.specification import default_specification
 from frontal_biped.library.executors import worker_processes
+from frontal_biped.library.shared_work import SharedWork
 from frontal_biped.model.biped import FrontalBiped
 from frontal_biped.simulation.settings import SimulationSettings
 from frontal_biped.simulation.trajectory import Trajectory, save_trajectory
@@ -105,23 +104,25 @@ def _compute(
         say(stage)
         return _timed(stage, seconds)
 
-    with timed("design"):
-        design = optimise_gait(
-            biped,
-            default_specification(biped),
-            on_progress=lambda i, cost, _: say(f"designing, iteration {i}, J = {cost:.2f} N^2 m s"),
-        )
-    if design.gait is None:
-        raise DesignFailedError(f"{biped.name}: {design.message}")
-    gait = design.gait
     # work goes to a process on every other processor; what none has begun when the rest is done is done here
-    with worker_processes(min(max(1, len(os.sched_getaffinity(0)) - 1), PARTS), copies=True) as executor:
-        robust_card = _Shared(executor, _robust_card, biped, figures, SHOWN_STABILISERS[-1:], SHOWN_PUSHES)
-        card = _Shared(executor, _card, biped, gait, SHOWN_STABILISERS)
-        compared = _Shared(executor, _compare_periods, biped, gait)
-        outcomes = _Shared(executor, _take_speed_errors, biped, gait)
-        sensitivity = _Shared(executor, _lose_invariance, biped, figures, gait, REVERSAL_ERRORS)
-        sampled = _Shared(executor, _sampled, biped, gait, CONTROL_PERIOD, STEPS)
+    processes = min(max(1, len(os.sched_getaffinity(0)) - 1), PARTS)
+    with worker_processes(processes, copies=True) as executor:
+        work = SharedWork(executor, processes)
+        robust_card = work.add(_robust_card, biped, figures, SHOWN_STABILISERS[-1:], SHOWN_PUSHES)
+        with timed("design"):
+            design = optimise_gait(
+                biped,
+                default_specification(biped),
+                on_progress=lambda i, cost, _: say(f"designing, iteration {i}, J = {cost:.2f} N^2 m s"),
+            )
+        if design.gait is None:
+            raise DesignFailedError(f"{biped.name}: {design.message}")
+        gait = design.gait
+        sampled = work.add(_sampled, biped, gait, CONTROL_PERIOD, STEPS)
+        card = work.add(_card, biped, gait, SHOWN_STABILISERS)
+        sensitivity = work.add(_lose_invariance, biped, figures, gait, REVERSAL_ERRORS)
+        compared = work.add(_compare_periods, biped, gait)
+        outcomes = work.add(_take_speed_errors, biped, gait)
         with timed("analysis"):
             analysis = analyze(biped, gait)
         with timed("continuous walk"):
@@ -138,8 +139,7 @@ def _compute(
         with timed("figures"):
             paths = write_figures(figures, biped, gait, run)
         with timed("sampled walk, errors and robustness"):
-            for part in (sampled, sensitivity, outcomes, compared, card, robust_card):
-                part.do_if_waiting()
+            work.do_the_rest()
             cards = {"this": card.result()}
             if (of_robust := robust_card.result()) is not None:
                 cards["robust"] = of_robust
@@ -270,27 +270,6 @@ def _draw(biped: FrontalBiped, run: Trajectory, report: DemoReport, paths: list[
         ],
     )
     (folder / "report.html").write_text(page, encoding="utf-8")
-
-
-T = TypeVar("T")
-
-
-class _Shared(Generic[T]):
-    """A part of the work that another process does, unless this one gets to it first."""
-
-    def __init__(self, executor: Executor, function: Callable[..., T], *arguments: Any) -> None:
-        self._function, self._arguments = function, arguments
-        self._future = executor.submit(function, *arguments)
-        self._own: list[T] = []
-
-    def do_if_waiting(self) -> None:
-        """Do it here if it has not been begun."""
-        if self._future.cancel():
-            self._own.append(self._function(*self._arguments))
-
-    def result(self) -> T:
-        """What came of it, waited for."""
-        return self._own[0] if self._own else self._future.result()
 
 
 @contextmanager
