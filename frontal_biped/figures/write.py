@@ -7,8 +7,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from frontal_biped.analysis.in_space import has_joints_to_hold
 from frontal_biped.exceptions import RobotError, SimulationError
 from frontal_biped.figures.barrier import energy_barrier
@@ -47,14 +45,10 @@ __all__ = [
 ]
 
 FORMATS = ("svg", "pdf", "png")
-"""What figures can be written as; The first of those asked for lays a figure out."""
+"""What figures can be written as; PNG at 300 dots per inch. The first of those asked for lays a figure out."""
 
-PNG = {"compress_level": 3, "compress_type": 3}
-"""Of PNG files: equal neighbours are what there is to compress in a figure (zlib's Z_RLE). Files as small as at the
-usual level 6, in two thirds of the time."""
-
-DENSITY = 300.0
-"""Of PNG files, dots per inch."""
+PNG = {"compress_level": 3}
+"""Of PNG files: a sixth larger than at the usual level 6, in half of the time."""
 
 FIGURES: dict[str, str] = {
     "joint_angles": "Joint angles, desired and simulated, over two steps.",
@@ -188,19 +182,15 @@ def _write(figure: "Figure", kind: str, file: Path) -> None:
         if kind == "png":
             _write_png(figure, temporary)
         else:  # no date: equal figures, equal bytes
-            figure.savefig(temporary, format=kind, dpi=DENSITY, metadata={"CreationDate": None})
+            figure.savefig(temporary, format=kind, dpi=300, metadata={"CreationDate": None})
 
 
 def _write_png(figure: "Figure", path: Path) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from PIL import Image
 
     screen = figure.dpi
-    figure.set_dpi(DENSITY)
+    figure.set_dpi(300.0)
     try:
-        canvas = FigureCanvasAgg(figure)
-        canvas.draw()  # type: ignore[no-untyped-call]
-        image = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")  # type: ignore[no-untyped-call]
-        image.save(path, "png", dpi=(DENSITY, DENSITY), **PNG)
+        FigureCanvasAgg(figure).print_png(path, pil_kwargs=PNG)  # type: ignore[no-untyped-call]
     finally:
         figure.set_dpi(screen)
