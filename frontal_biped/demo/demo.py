@@ -82,14 +82,14 @@ def make_demo(biped: FrontalBiped, folder: Path, on_progress: Say | None = None,
     with tempfile.TemporaryDirectory(prefix="frontal-biped-") as scratch:
         made = Path(scratch) / "demo"  # with the usual permissions; those of the scratch folder are private
         made.mkdir()
-        report, run, gait, figures = _compute(biped, folder, made / "figures", say, seconds)
+        report, run, gait, figures, animation = _compute(biped, folder, made / "figures", say, seconds)
         if prove:
             report = _proved(biped, gait, report, made, say, seconds)
         say("drawing the page")
         with _timed("page", seconds):
             save_gait(gait, made / "gait.json")
             save_trajectory(run, made / "run.npz")
-            _draw(biped, run, report, figures, made)
+            _draw(biped, run, report, figures, animation, made)
         write_json(made / "report.json", report.as_dict())
         shutil.copytree(made, folder, dirs_exist_ok=True)
     return report
@@ -97,7 +97,8 @@ def make_demo(biped: FrontalBiped, folder: Path, on_progress: Say | None = None,
 
 def _compute(
     biped: FrontalBiped, folder: Path, figures: Path, say: Say, seconds: dict[str, float]
-) -> tuple[DemoReport, Trajectory, Gait, list[Path]]:
+) -> tuple[DemoReport, Trajectory, Gait, list[Path], str]:
+    from frontal_biped.demo.page import animated
     from frontal_biped.figures.write import write_figures
 
     def timed(stage: str) -> AbstractContextManager[None]:
@@ -134,6 +135,7 @@ def _compute(
                 simulation_settings=CONTINUOUS,
                 on_step=lambda n: say(f"walking, continuous control, step {n}/{STEPS}"),
             )
+        animation = work.add(animated, biped, run)
         with timed("multiplier"):
             multiplier = simulated_multiplier(biped, gait)
         with timed("figures"):
@@ -164,7 +166,8 @@ def _compute(
         robustness=cards,
         seconds=seconds,
     )
-    return report, run, gait, [*paths, figures / "sensitivity.svg", figures / "return_map.svg"]
+    drawn = [*paths, figures / "sensitivity.svg", figures / "return_map.svg"]
+    return report, run, gait, drawn, animation.result()
 
 
 def _proved(
@@ -241,7 +244,9 @@ def _sampled(
     return SampledRun(period, run.steps_completed, float(np.max(np.abs(run.output_error))))
 
 
-def _draw(biped: FrontalBiped, run: Trajectory, report: DemoReport, paths: list[Path], folder: Path) -> None:
+def _draw(
+    biped: FrontalBiped, run: Trajectory, report: DemoReport, paths: list[Path], animation: str, folder: Path
+) -> None:
     from frontal_biped.demo.page import report_page
     from frontal_biped.figures.robustness import ROBUSTNESS_FIGURES
 
@@ -268,6 +273,7 @@ def _draw(biped: FrontalBiped, run: Trajectory, report: DemoReport, paths: list[
             "Sensitivity, with the paper's fixed transition at the planned reversal:",
             *(str(outcome) for outcome in report.speed_errors),
         ],
+        animation=animation,
     )
     (folder / "report.html").write_text(page, encoding="utf-8")
 

@@ -36,6 +36,7 @@ def report_page(
     notes: Sequence[str] = (),
     title: str | None = None,
     subtitle: str = "",
+    animation: str | None = None,
 ) -> str:
     """One HTML page that needs no network: the animated robot beside its numbers, constraints and figures.
 
@@ -50,17 +51,17 @@ def report_page(
         notes: paragraphs of plain text.
         title: of the page; None: the robot's name.
         subtitle: a line below it.
+        animation: `animated` of the same run, where it has been made already.
 
     Returns:
         The page's text.
     """
     heading = title or f"{biped.name}: frontal-plane walking"
-    animation = animation_page(biped, trajectory, title=biped.name, theme="auto")
     outcome = f"{counted(trajectory.steps_completed, 'step')}, {trajectory.outcome}"
     body = Template(web_text("report.html", _HERE)).substitute(
         title=html.escape(heading),
         subtitle=html.escape(subtitle or outcome),
-        animation=html.escape(animation, quote=True),
+        animation=html.escape(animation or animated(biped, trajectory), quote=True),
         numbers=_numbers_table(numbers),
         constraints=_constraint_table(constraints),
         notes=_statement_table(statements) + _robustness_tables(robustness) + _notes(notes),
@@ -73,6 +74,11 @@ def report_page(
     dark = " ".join(f"{_variable(light)}: {dark};" for light, dark in DARK.items())
     style = web_text("report.css", _HERE) + f"@media (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}\n"
     return closed_page(heading, style, body, schemes="light dark")
+
+
+def animated(biped: FrontalBiped, trajectory: Trajectory) -> str:
+    """The page of the moving robot that a report holds."""
+    return animation_page(biped, trajectory, title=biped.name, theme="auto")
 
 
 def _variable(colour: str) -> str:
