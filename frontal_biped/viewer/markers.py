@@ -55,21 +55,26 @@ def swing_traces(biped: FrontalBiped, trajectory: Trajectory) -> list[SwingTrace
     """The way of the swing foot, step by step; steps of no duration are left out."""
     spans = phase_spans(trajectory)
     rate = min(TRACE_RATE, MOST_POINTS / max(spans[-1].end - spans[0].start, 1e-9))
-    traces = []
+    swings: list[tuple[int, Stance, float, float]] = []
+    times: list[FloatArray] = []
     for step in dict.fromkeys(span.step for span in spans):
         own = [span for span in spans if span.step == step]
         start, end = own[0].start, own[-1].end
         if end - start < 1e-3:
             continue
-        times = np.linspace(start, end, max(FEWEST_POINTS, int(np.ceil(rate * (end - start)))))
-        inside = times.copy()
+        inside = np.linspace(start, end, max(FEWEST_POINTS, int(np.ceil(rate * (end - start)))))
         inside[[0, -1]] += np.array([1e-9, -1e-9])  # at its ends two samples share one time
-        poses = resample(trajectory, inside)
-        ends = sole_ends(biped, world_configurations(biped, poses))
-        foot, zero = own[0].stance.other, float(trajectory.t[0])
-        points = ends[:, FEET.index(foot)].mean(axis=1)
-        traces.append(SwingTrace(step, foot, start - zero, end - zero, points))
-    return traces
+        times.append(inside)
+        swings.append((step, own[0].stance.other, start - float(trajectory.t[0]), end - float(trajectory.t[0])))
+    if not swings:
+        return []
+    poses = resample(trajectory, np.concatenate(times))
+    centres = sole_ends(biped, world_configurations(biped, poses)).mean(axis=2)
+    parts = np.split(centres, np.cumsum([len(inside) for inside in times[:-1]]))
+    return [
+        SwingTrace(step, foot, start, end, both[:, FEET.index(foot)])
+        for (step, foot, start, end), both in zip(swings, parts, strict=True)
+    ]
 
 
 def draw_markers(visualizer: Any, biped: FrontalBiped) -> None:

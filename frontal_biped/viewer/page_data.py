@@ -243,7 +243,7 @@ def samples(biped: FrontalBiped, trajectory: Trajectory) -> dict[str, Any]:
     kept, breaks = thinned(trajectory, np.column_stack([getattr(trajectory, name) for name in names]), MOST_SAMPLES)
     run = {name: getattr(trajectory, name)[kept] for name in ("t", "q", "dq", "u", "force", "p_fri", "p_fri_target")}
     wanted = trajectory.q_b_desired[kept]
-    sole = 1e3 * np.array([biped.swing_sole(q)[:, 1] for q in run["q"]])
+    inner, outer = 1e3 * biped.swing_sole_heights(run["q"])
     channels: dict[str, FloatArray] = {"t": run["t"] - trajectory.t[0]}
     for i in range(4):
         channels |= {f"q{i + 1}": run["q"][:, i], f"v{i + 1}": run["dq"][:, i], f"u{i + 1}": run["u"][:, i]}
@@ -251,8 +251,8 @@ def samples(biped: FrontalBiped, trajectory: Trajectory) -> dict[str, Any]:
         channels |= {f"d{i + 2}": wanted[:, i], f"e{i + 2}": 1e3 * (run["q"][:, i + 1] - wanted[:, i])}
     channels |= {"fh": run["force"][:, 0], "fv": run["force"][:, 1]}
     channels |= {"fri": 1e3 * run["p_fri"], "fri_target": 1e3 * run["p_fri_target"]}
-    channels |= {"inner": sole[:, 0], "outer": sole[:, 1]}
-    channels["roll"] = np.degrees(np.array([float(biped.pelvis_roll(q)) for q in run["q"]]))
+    channels |= {"inner": inner, "outer": outer}
+    channels["roll"] = np.degrees(biped.pelvis_roll(run["q"]))
     return {
         "count": len(kept),
         "breaks": breaks,
