@@ -49,7 +49,7 @@ MAP_SAMPLES = 7
 DRAWN_MAP_SAMPLES = 25  # of the map in the figure: its corners are seen
 PUSH_RESOLUTION = 8.0  # [N s]
 CONTINUOUS = SimulationSettings(rtol=1e-8, atol=1e-10)  # 20 steps repeat to some 1e-10, far inside 1e-7
-PARTS = 6  # that another process may do
+PARTS = 7  # that another process may do
 SPEED_ERROR_STEPS = 3  # the decay by the multiplier shows after a few
 
 Say = Callable[[str], None]

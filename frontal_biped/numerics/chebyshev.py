@@ -35,6 +35,9 @@ BISECTIONS = 40
 MOST_PARTS = 4096
 """Parts of a piece left open at one time; beyond, as where a function is zero throughout, they are undecided."""
 
+HOPELESS = 100.0
+"""Error that is expected at the highest degree, over the tolerance, from which on it is not tried."""
+
 MAX_EVALUATIONS = 4000
 
 
@@ -147,8 +150,10 @@ def _fit_once(function: Callable[[float], float], a: float, b: float, tolerance:
                 k = np.arange(len(change))
                 slope_error = float(2.0 / (b - a) * np.sum(k**2 * np.abs(change)))
                 return Fit(Chebyshev(fine, domain=[a, b]), error, slope_error)
-            # algebraic decay: halving the interval is cheaper than a higher degree
-            if degree >= 32 and error > 1e-2 * float(np.max(np.abs(samples))):
+            # of a smooth function the error squares as the degree doubles; where even that would not do in the end,
+            # halving the interval is cheaper than a higher degree
+            largest = max(scale, float(np.max(np.abs(samples))))
+            if (error / largest) ** (DEGREES[-1] / degree) > HOPELESS * tolerance:
                 return None
         coarse = fine
     return None

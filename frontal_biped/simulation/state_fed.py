@@ -159,14 +159,13 @@ class Told:
             return fell.value
         if event is EventKind.IMPACT:
             steps.land(t, stance)
-        self.controller.begin(self.engine.phase, *perceived)
-        if event is EventKind.IMPACT:
             self._recorder.event(t, EventKind.IMPACT, steps.count - 1, self.engine.state)
             steps.announce()
             self.speeds.append(float(self.engine.state.dq[0]))
-            if self._enough is not None and self._enough(np.array(self.speeds)):
-                return COMPLETED
-        return COMPLETED if steps.complete else None
+            if steps.complete or (self._enough is not None and self._enough(np.array(self.speeds))):
+                return COMPLETED  # the controller is not asked for a phase that nobody walks
+        self.controller.begin(self.engine.phase, *perceived)
+        return None
 
 
 class StateFed:

@@ -1,13 +1,18 @@
 """Two routes to one number: the closed form of the zero dynamics against the full model in closed loop."""
 
+from typing import ClassVar
+
 import numpy as np
 import pytest
 
 from frontal_biped.analysis.sensitivity import simulated_multiplier, speed_error_outcome
 from frontal_biped.control import ControllerSettings
+from frontal_biped.control.controller import QpController
 from frontal_biped.control.settings import sampled_frequency
-from frontal_biped.simulation import SimulationSettings
+from frontal_biped.model.state import State
+from frontal_biped.simulation import SimulationSettings, simulate_walk
 from frontal_biped.simulation.walking import simulate
+from frontal_biped.virtual_constraints.phase import StepPhase
 from frontal_biped.zero_dynamics.orbit import resample
 from frontal_biped.zero_dynamics.poincare import HybridZeroDynamics
 from frontal_biped.zero_dynamics.restricted import restrict
@@ -148,6 +153,25 @@ def test_sampled_gains_follow_the_rate():
     assert sampled_frequency(1e-3) == pytest.approx(100.0)
     assert sampled_frequency(4e-3) == pytest.approx(25.0)
     assert sampled_frequency(1e-4) == 100.0
+
+
+@pytest.mark.parametrize("period", [None, 1e-3])
+def test_a_controller_is_told_of_the_phases_that_are_walked_and_of_no_other(biped, gait, period):
+    """What a stabiliser answers after the last landing nobody would walk, and looking ahead takes its time."""
+
+    class Told(QpController):
+        phases: ClassVar[list[StepPhase]] = []
+
+        def begin(self, phase, q, dq):
+            self.phases.append(phase)
+            super().begin(phase, q, dq)
+
+    controller = Told(biped, gait)
+    settings = SimulationSettings(steps=2, period=period)
+    run = simulate_walk(biped, controller, State(*gait.state_after_impact()), settings)
+    assert run.steps_completed == 2
+    assert Told.phases == 2 * [StepPhase.RISING, StepPhase.FALLING]
+    Told.phases.clear()
 
 
 def test_right_foot_first_is_the_mirror_image(biped, level_gait):

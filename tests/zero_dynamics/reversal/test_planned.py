@@ -16,7 +16,7 @@ from frontal_biped.zero_dynamics.restricted import restrict
 from frontal_biped.zero_dynamics.reversal.certificate import certify_reversal
 from frontal_biped.zero_dynamics.reversal.planned import AT_THE_PLAN, analyse_reversal, find_reversal
 from frontal_biped.zero_dynamics.reversal.problem import BalanceFunction, EnergyBalance, ReversalProblem
-from frontal_biped.zero_dynamics.reversal.zeros import count_zeros
+from frontal_biped.zero_dynamics.reversal.zeros import REGULAR, count_zeros
 
 NODES = 32
 PLACE = 1e-10  # [rad] Brent's method on a spectrally accurate function
@@ -41,6 +41,17 @@ def test_reversal_of_a_designed_gait_is_the_planned_one(biped, gait):
     low, high = found.bracket
     assert low < found.sign_change[0] < found.beta < found.sign_change[1] < high
     assert found.acceleration < 0.0
+
+
+def test_around_the_plan_it_is_what_it_is_in_the_whole_bracket(biped, gait):
+    problem = problem_of(biped, gait)
+    floor = REGULAR * problem.balance(problem.planned).least_inertia
+    asked = (problem.at_fixed_parameters(), *problem.bracket, problem, floor)
+    near, everywhere = (count_zeros(*asked, connected=connected)[0] for connected in (True, False))
+    (region,) = near.region
+    assert region == next(part for part in everywhere.region if part[0] <= problem.planned <= part[1])
+    assert near.zeros == tuple(zero for zero in everywhere.zeros if region[0] <= zero.place <= region[1])
+    assert near.evaluations < everywhere.evaluations
 
 
 def test_Z_changes_sign_from_positive_to_negative(biped, gait):
