@@ -35,6 +35,8 @@ def sensitivity(runs: Sequence[LossOfInvariance]) -> "Figure":
     Returns:
         Two panels with logarithmic axes, [rad] over [rad].
     """
+    from matplotlib.ticker import NullLocator
+
     figure = new_figure("sensitivity", 3.4)
     early, late = figure.subplots(1, 2, sharey=True)
     names = list(dict.fromkeys(run.stabiliser for run in runs))
@@ -57,6 +59,7 @@ def sensitivity(runs: Sequence[LossOfInvariance]) -> "Figure":
         ax.margins(0.06)
         for axis in (ax.xaxis, ax.yaxis):
             axis.set_major_formatter(_power_of_ten)
+            axis.set_minor_locator(NullLocator())  # of the axis across ten decades there are none either
     early.set_ylabel(r"largest $|q_b - h_d|$ [rad]")
     # half-way along, where the first error is too large and the second too small for a marker near the line
     early.text(0.5, 1.25e-6, "1e-6", transform=early.get_yaxis_transform(), fontsize=8.0, va="bottom", ha="center")
