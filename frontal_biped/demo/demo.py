@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -82,22 +83,39 @@ def make_demo(biped: FrontalBiped, folder: Path, on_progress: Say | None = None,
     with tempfile.TemporaryDirectory(prefix="frontal-biped-") as scratch:
         made = Path(scratch) / "demo"  # with the usual permissions; those of the scratch folder are private
         made.mkdir()
-        report, run, gait, figures, animation = _compute(biped, folder, made / "figures", say, seconds)
+        shown = _compute(biped, folder, made / "figures", say, seconds)
+        report = shown.report
         if prove:
-            report = _proved(biped, gait, report, made, say, seconds)
+            report = _proved(biped, shown.gait, report, made, say, seconds)
         say("drawing the page")
         with _timed("page", seconds):
-            save_gait(gait, made / "gait.json")
-            save_trajectory(run, made / "run.npz")
-            _draw(biped, run, report, figures, animation, made)
+            save_gait(shown.gait, made / "gait.json")
+            save_trajectory(shown.run, made / "run.npz")
+            _draw(biped, report, shown, made)
         write_json(made / "report.json", report.as_dict())
         shutil.copytree(made, folder, dirs_exist_ok=True)
     return report
 
 
-def _compute(
-    biped: FrontalBiped, folder: Path, figures: Path, say: Say, seconds: dict[str, float]
-) -> tuple[DemoReport, Trajectory, Gait, list[Path], str]:
+class _Shown(NamedTuple):
+    """What is computed, and drawn of it.
+
+    Attributes:
+        report: the numbers; nothing is proved yet.
+        gait: the gait.
+        run: its continuous walk.
+        figures: files of figures.
+        animation: page of the moving robot.
+    """
+
+    report: DemoReport
+    gait: Gait
+    run: Trajectory
+    figures: list[Path]
+    animation: str
+
+
+def _compute(biped: FrontalBiped, folder: Path, figures: Path, say: Say, seconds: dict[str, float]) -> _Shown:
     from frontal_biped.demo.page import animated
     from frontal_biped.figures.write import write_figures
 
@@ -167,7 +185,7 @@ def _compute(
         seconds=seconds,
     )
     drawn = [*paths, figures / "sensitivity.svg", figures / "return_map.svg"]
-    return report, run, gait, drawn, animation.result()
+    return _Shown(report, gait, run, drawn, animation.result())
 
 
 def _proved(
@@ -244,20 +262,18 @@ def _sampled(
     return SampledRun(period, run.steps_completed, float(np.max(np.abs(run.output_error))))
 
 
-def _draw(
-    biped: FrontalBiped, run: Trajectory, report: DemoReport, paths: list[Path], animation: str, folder: Path
-) -> None:
+def _draw(biped: FrontalBiped, report: DemoReport, shown: _Shown, folder: Path) -> None:
     from frontal_biped.demo.page import report_page
     from frontal_biped.figures.robustness import ROBUSTNESS_FIGURES
 
     drawn = [
         (ROBUSTNESS_FIGURES.get(path.stem, path.stem), path.read_text(encoding="utf-8"))
-        for path in paths
+        for path in shown.figures
         if path.suffix == ".svg"
     ]
     page = report_page(
         biped,
-        run,
+        shown.run,
         drawn,
         title=f"{biped.name}: a {'certified ' if report.analysis.certified else ''}frontal gait",
         numbers=report.figures(),
@@ -273,7 +289,7 @@ def _draw(
             "Sensitivity, with the paper's fixed transition at the planned reversal:",
             *(str(outcome) for outcome in report.speed_errors),
         ],
-        animation=animation,
+        animation=shown.animation,
     )
     (folder / "report.html").write_text(page, encoding="utf-8")
 

@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from figure_laws import assert_fit_for_a_column
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.text import Annotation
 
 from frontal_biped.analysis.free_landing import free_landing
 from frontal_biped.exceptions import MissingExtraError, RobotError
@@ -19,6 +21,7 @@ from frontal_biped.figures.robustness import smooth
 from frontal_biped.figures.time import clearance_profile
 from frontal_biped.gait import load_any_gait, load_gait
 from frontal_biped.model import Robot, load_robot, models_dir
+from frontal_biped.simulation.walking import simulate
 
 UNIT = re.compile(r"\[[^\]]+\]")
 
@@ -117,6 +120,39 @@ def test_joint_figure_shows_the_data(orbit, drawn):
     values = line.get_ydata()
     two_steps = orbit.first_steps(2)
     np.testing.assert_allclose(values[np.isfinite(values)], two_steps.q_b_desired[:, 0])
+
+
+def jumps_drawn(figure):
+    """The places that arrows lead from and to."""
+    return [(note.xyann, note.xy) for note in figure.get_axes()[0].texts if isinstance(note, Annotation)]
+
+
+def test_a_phase_portrait_draws_a_jump_once_where_the_robot_repeats_it(biped, gait):
+    """A line bridges no event: it has a gap wherever the phase changes."""
+    steps = 3
+    periodic = simulate(biped, gait, steps=steps, period=None)
+    portrait = figures.phase_portrait(periodic)
+    assert len(jumps_drawn(portrait)) == 1
+    disturbed = simulate(biped, gait, steps=steps, speed_error=0.01, period=None, stabiliser="adaptive")
+    changed = jumps_drawn(figures.phase_portrait(disturbed))
+    assert len(changed) == steps - 1
+    for before, after in changed:
+        assert before[1] < 0.0 < after[1]  # dbeta
+    for line in portrait.get_axes()[0].get_lines()[:2]:
+        assert np.isnan(line.get_ydata()).sum() == steps
+        assert np.nanmax(np.abs(np.diff(line.get_ydata()))) < 0.2 * np.nanmax(np.abs(line.get_ydata()))
+
+
+def test_stick_figures_stand_where_the_joints_are(biped, drawn, orbit):
+    parts = [part for part in drawn["snapshots"].get_axes()[0].collections if isinstance(part, LineCollection)]
+    pelvis = next(part for part in parts if part.get_linewidth()[0] == 3.0).get_segments()[0]
+    hips = biped.joint_positions(orbit.q[0])[1:3]
+    assert sorted(pelvis[:, 1]) == pytest.approx(sorted(hips[:, 1]), abs=1e-6)
+    assert abs(np.ptp(pelvis[:, 0])) == pytest.approx(np.ptp(hips[:, 0]), abs=1e-6)
+    soles = np.concatenate([part.get_segments() for part in parts if part.get_linewidth()[0] == 3.2])
+    assert soles[..., 1].min() == pytest.approx(0.0, abs=1e-9)  # one foot stands throughout
+    stands = np.abs(soles[..., 1]).max(axis=1) < 1e-9
+    assert len(parts[0].get_segments()) <= stands.sum() < len(soles)
 
 
 def test_clearance_profile_follows_the_specification(gait, orbit):
