@@ -55,8 +55,9 @@ The first is a periodic walk: from its second step on a phase is followed from t
 **What a user waits for**, `benchmark_waiting.py` or the command itself, processor time of all processes, before and
 now in turn: a GIF of 16 s of continuous walking takes 13 s where it took 140 (fewer and smaller pictures are part of
 that; the steps of that walk take a whole number of pictures); installed from the clone, the robustness card takes 8.2,
-8.7 and 9.2 s where it took 48.5, 51.5 and 47.5, the demonstration 9.3 s where it took 30.9, 5.8 s by the clock where it
-took 18.9 (medians of nine pairs on two cores; ratios 0.23 to 0.37 and 0.23 to 0.40, medians 0.32 and 0.32).
+8.7 and 9.2 s where it took 48.5, 51.5 and 47.5, the demonstration 9.3 and 10.2 s where it took 30.9 and 33.2, by the
+clock 5.8 and 6.0 s where it took 18.9 and 19.2 (medians of twice nine pairs on two cores; of the ratios 0.32 and 0.31
+both ways, single pairs 0.22 to 0.40).
 
 **The studio**, `benchmark_studio.py`: from a slider to a new gait 0.19 s of processor time where it took 0.34, medians
 of 20 changes in turn on a busy machine; 0.7 s at most.
