@@ -84,24 +84,23 @@ def make_demo(biped: FrontalBiped, folder: Path, on_progress: Say | None = None,
         made = Path(scratch) / "demo"  # with the usual permissions; those of the scratch folder are private
         made.mkdir()
         shown = _compute(biped, folder, made / "figures", say, seconds)
-        report = shown.report
         if prove:
-            report = _proved(biped, shown.gait, report, made, say, seconds)
+            shown = shown._replace(report=_proved(biped, shown.gait, shown.report, made, say, seconds))
         say("drawing the page")
         with _timed("page", seconds):
             save_gait(shown.gait, made / "gait.json")
             save_trajectory(shown.run, made / "run.npz")
-            _draw(biped, report, shown, made)
-        write_json(made / "report.json", report.as_dict())
+            _draw(biped, shown, made)
+        write_json(made / "report.json", shown.report.as_dict())
         shutil.copytree(made, folder, dirs_exist_ok=True)
-    return report
+    return shown.report
 
 
 class _Shown(NamedTuple):
     """What is computed, and drawn of it.
 
     Attributes:
-        report: the numbers; nothing is proved yet.
+        report: the numbers.
         gait: the gait.
         run: its continuous walk.
         figures: files of figures.
@@ -262,10 +261,11 @@ def _sampled(
     return SampledRun(period, run.steps_completed, float(np.max(np.abs(run.output_error))))
 
 
-def _draw(biped: FrontalBiped, report: DemoReport, shown: _Shown, folder: Path) -> None:
+def _draw(biped: FrontalBiped, shown: _Shown, folder: Path) -> None:
     from frontal_biped.demo.page import report_page
     from frontal_biped.figures.robustness import ROBUSTNESS_FIGURES
 
+    report = shown.report
     drawn = [
         (ROBUSTNESS_FIGURES.get(path.stem, path.stem), path.read_text(encoding="utf-8"))
         for path in shown.figures

@@ -15,6 +15,7 @@ from frontal_biped.figures.style import (
     GREEN,
     PALE,
     PURPLE,
+    TICKS,
     VERMILION,
     legend_above,
     new_figure,
@@ -194,7 +195,7 @@ def frontal_state_figure(run: SpatialRun, gait: Gait | None = None, orbit: Traje
     lower.set_xlabel(f"step [-]{compared}")
     lower.set_ylabel(r"$\dot\beta$ half-way" + "\ndown [rad/s]")
     lower.locator_params(axis="x", integer=True)
-    upper.locator_params(axis="x", nbins=5)
+    upper.locator_params(axis="x", nbins=TICKS)
     figure.align_ylabels([upper, lower])
     return figure
 

@@ -118,13 +118,15 @@ class Stretch:
 
     def accelerations(self, t: FloatArray) -> FloatArray:
         """(T, n) at times t (T,) [s]."""
-        values: FloatArray = chebvander(2.0 * (t - self.start) / self.length - 1.0, DEGREE) @ (_TO_SERIES @ self.ddq)
-        return values
+        return self._polynomials(t) @ (_TO_SERIES @ self.ddq)
 
     def at(self, t: FloatArray) -> FloatArray:
         """(T, 2 n) positions and rates at times t (T,) [s]."""
-        values: FloatArray = chebvander(2.0 * (t - self.start) / self.length - 1.0, DEGREE) @ self._series
-        return values
+        return self._polynomials(t) @ self._series
+
+    def _polynomials(self, t: FloatArray) -> FloatArray:
+        """(T, N + 1) Chebyshev polynomials at times t (T,) [s]."""
+        return np.asarray(chebvander(2.0 * (t - self.start) / self.length - 1.0, DEGREE), dtype=float)
 
     def at_one(self, t: float) -> FloatArray:
         """(2 n,) the same at one time [s], the polynomials in plain numbers: to locate an event takes some twenty."""
